@@ -255,7 +255,8 @@ def _inverse(matrix: np.ndarray) -> np.ndarray:
 
 
 def shares_of_simulation(problem: Problem, values: np.ndarray) -> np.ndarray:
-    """[k] Which part of the variance of each parameter of the curve is the simulation's; its next flight may differ by that."""
+    """[k] Which part of the variance of each parameter of the curve is the simulation's, or where none is free, of each of the exposure: its next
+    flight may differ by that."""
     mu, _, each = problem.mean(values)
     whole, part = (np.diag(_inverse(problem.fisher(values, modes).matrix)) for modes in (problem.modes(mu, each), np.zeros((mu.size, 0))))
-    return np.clip(1 - part / np.maximum(whole, 1e-300), 0, 1)[:problem.surface.steps.size]
+    return np.clip(1 - part / np.maximum(whole, 1e-300), 0, 1)[:problem.surface.steps.size or values.size]

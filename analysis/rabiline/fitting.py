@@ -66,7 +66,7 @@ class CountsFit:
     detector: str
     title: str
     flights: int
-    shares_of_simulation: np.ndarray  # [parameters of the curve] of their variance
+    shares_of_simulation: np.ndarray  # [parameters of the curve, else of the exposure] of their variance
     particles: int  # at each point of the simulation
     wanted_particles: float  # more than these where what is not known may be for their noise
     beyond: tuple[tuple[str, float], ...] = ()  # parameters that ended beyond what they may be, and their limit in SI

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
 WIDE = 0.05  # relative: a spread of times of flight by which it matters how they are distributed
+MOST_OTHERS = 5  # told by their centres
 UNDETERMINED = "not known"
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
 
@@ -64,8 +65,14 @@ def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = No
     if "spread" in fitted.names and fitted["spread"][0] > WIDE:
         lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
     lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}{'' if fitted.deviance is not None else ', without correlations'}")
-    lines += [f"           or another {'fringe' if fitted.form == 'ramsey' else 'line'}: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
-              for centre, chi_squared in fitted.others]
+    for centres, chi_squared in fitted.others[:MOST_OTHERS]:
+        places = " and ".join(format_value(centre, unit, None, written) for centre in centres)
+        other = "another fringe: centre" if fitted.form == "ramsey" else "another line: centre" if len(centres) == 1 else "other lines: centres"
+        lines.append(f"           or {other} {places} with chi² {chi_squared:.1f}")
+    if len(fitted.others) > MOST_OTHERS:
+        lines.append(f"           and {len(fitted.others) - MOST_OTHERS} more that are as good: a longer scan tells them apart")
+    if len({value > 0 for name, value in zip(fitted.names, fitted.values) if name.startswith("contrast")}) > 1:
+        lines.append("           contrasts have opposite signs: peaks and dips together are rarely lines of one kind")
     if fitted.p < LEAST_P:
         believed = "the centre of a symmetric line, and no errors" if fitted.chi_squared < RESEMBLES * fitted.constant else "none of these numbers"
         lines.append(f"           the form does not describe the curve: believe {believed}")

@@ -5,6 +5,7 @@ Every curve is baseline + contrast f(x - centre), f one of the forms.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Callable, Mapping, Sequence
 
 import numpy as np
@@ -72,7 +73,7 @@ class LineFit:
     freedom: int
     expected: np.ndarray  # [n]
     curve: Callable[[np.ndarray], np.ndarray]  # the fitted y [m] at any x [m]
-    others: tuple[tuple[float, float], ...] = ()  # centres of other fringes that are as good within `AS_GOOD`, and chi² of these
+    others: tuple[tuple[tuple[float, ...], float], ...] = ()  # centres of other fringes, or sets of lines, that are as good within `AS_GOOD`, and chi² of these
     unit: str = ""  # of x, as `fit_line` was told
     deviance: float | None = None  # of counts, which have no correlations: of their likelihood
 
@@ -126,8 +127,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
                      "put a magnet or a `spin_filter` in front of it, or look at `plot-levels`")
     order = np.argsort(x)
     extent, origin = float(np.ptp(x)), float(x[order[x.size // 2]])
-    own = len(chosen.parameters)
-    sigma = np.sqrt(np.diag(covariance))
+    own, sigma = len(chosen.parameters), np.sqrt(np.diag(covariance))
     _check_start(chosen, lines, start, x)
     if _of_constant(y, sigma) < 1:
         raise NoLine("the curve is flat within its errors, there is no line in it")
@@ -170,9 +170,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
             return []
         return [(fit.chi_squared, [origin + extent * fit.values[0] + by * chosen.period(shared)], shared) for by in BESIDE]
 
-    def is_doubtful(fit: LineFit) -> bool:
-        return _is_doubtful(fit, x, lines, chosen.period is not None)
-
+    is_doubtful = partial(_is_doubtful, x=x, lines=lines, has_fringes=chosen.period is not None)
     found = _best([least(fit) for fit in _minima(refined, guesses, beside, AS_GOOD * (1 + isinstance(errors, Poisson)))], x, is_doubtful)
     for _ in range(HOPS):
         faint = range(lines) if found.constant - found.chi_squared < FAINT else ()
@@ -194,7 +192,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
     values[:lines], scale[:lines] = origin + extent * values[:lines], extent
     values[lines:lines + own] = scale[lines:lines + own] = np.exp(values[lines:lines + own])
     spread = found.covariance[np.ix_(sorting, sorting)] * scale[:, None] * scale
-    others = tuple((origin + extent * centre, chi_squared) for centre, chi_squared in found.others) if lines == 1 else ()  # else in another order
+    others = tuple((tuple(origin + extent * centre for centre in centres), chi_squared) for centres, chi_squared in found.others)
     return LineFit(found.form, found.names, values, np.sqrt(np.diag(spread).clip(0)), spread, found.chi_squared, found.constant,
                    found.freedom, found.expected, found.curve, others, unit, found.deviance)
 
@@ -305,9 +303,14 @@ def _apart(fits: Sequence[LineFit], within: float) -> list[LineFit]:
     """Of fits by rising badness those as good as the first, each with a centre of its own."""
     kept = [fits[0]]
     for fit in fits[1:]:
-        if fit.badness < fits[0].badness + within and all(abs(fit.values[0] - other.values[0]) > SAME for other in kept):
+        if fit.badness < fits[0].badness + within and all((np.abs(_centres(fit) - _centres(other)) > SAME).any() for other in kept):
             kept.append(fit)
     return kept
+
+
+def _centres(fit: LineFit) -> np.ndarray:
+    """[lines] By rising place."""
+    return np.sort(fit.values[[i for i, name in enumerate(fit.names) if name.startswith("centre")]])
 
 
 def _best(fits: Sequence[LineFit], x: np.ndarray, is_doubtful: Callable[[LineFit], bool]) -> LineFit:
@@ -315,7 +318,7 @@ def _best(fits: Sequence[LineFit], x: np.ndarray, is_doubtful: Callable[[LineFit
     fits = _apart(sorted(fits, key=lambda fit: fit.badness), AS_GOOD)
     fits.sort(key=is_doubtful)  # the order is otherwise kept
     least = np.median(np.diff(np.sort(x))) / np.ptp(x) if _between_points(fits[0], x) else 0.0
-    return replace(_widened(fits[0], 0, least / max(fits[0].errors[0], 1e-300)), others=tuple((float(fit.values[0]), fit.chi_squared) for fit in fits[1:]))
+    return replace(_widened(fits[0], 0, least / max(fits[0].errors[0], 1e-300)), others=tuple((tuple(_centres(fit).tolist()), fit.chi_squared) for fit in fits[1:]))
 
 
 def _is_doubtful(fit: LineFit, x: np.ndarray, lines: int, has_fringes: bool) -> bool:

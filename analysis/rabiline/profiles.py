@@ -43,7 +43,7 @@ def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere
     errors, k = np.sqrt(np.diag(fisher.covariance)), len(model.names)
     _, least = problem.least(values)
     is_least, bent = problem.least(values, range(k))[1] < least + LOWER, _bent(problem, fisher)
-    by_counts = np.append(shares_of_simulation(problem, values) < MOSTLY, [True] * len(problem.extra))
+    by_counts = np.append((shares_of_simulation(problem, values) < MOSTLY)[:len(model.names)], [True] * len(problem.extra))
     intervals, factors, lowest = [(-1.0, 1.0)] * values.size, np.ones(values.size), (-LOWER, None)
     for i in range(values.size):
         if i in bent or i < k and not is_least:

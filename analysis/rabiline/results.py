@@ -108,6 +108,7 @@ class FieldCheck:
     particles: int  # integrated both ways; 0 where that takes too long, or none gets through
     deviation: float  # the largest of place, direction, spin and probabilities of levels
     tolerance: float  # what steps were chosen for
+    approximated: bool = False  # levels are driven in the rotating-wave approximation, and not integrated
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -329,7 +330,8 @@ def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:
 
 def _read_field_check(group: Group) -> FieldCheck:
     number = {name: float(group.amounts(name).ravel()[0]) for name in ("particles", "place", "direction", "spin", "levels", "tolerance")}
-    return FieldCheck(int(number["particles"]), max(number[name] for name in ("place", "direction", "spin", "levels")), number["tolerance"])
+    return FieldCheck(int(number["particles"]), max(number[name] for name in ("place", "direction", "spin", "levels")), number["tolerance"],
+                      "approximated" in group and bool(group.amounts("approximated").ravel()[0]))
 
 
 def read_warnings(entry: Group) -> tuple[str, ...]:

@@ -175,10 +175,11 @@ void print_summary(const Result& result, const std::filesystem::path& output, st
       say(stdout, "  {}: from {:.4g} to {:.4g} of the emitted particles\n", d.name, *least, *most);
   }
   if (result.field_check && result.field_check->particles == 0)
-    say(stdout,
-        "  steps not checked: an independent integration takes longer than a second for one particle, or "
-        "none "
-        "gets through\n");
+    say(stdout, "  steps not checked: {}\n",
+        result.field_check->approximated
+            ? "where levels are driven in the rotating-wave approximation, there is no whole field to "
+              "integrate"
+            : "an independent integration takes longer than a second for one particle, or none gets through");
   say(stdout, "{}wrote {}\n", note, output.string());
 }
 

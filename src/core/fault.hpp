@@ -13,6 +13,7 @@ struct Fault {
   std::string message;
   std::string help;  // empty where there is none
   Severity severity = Severity::error;
+  double badness = 0;  // of faults that are alike but for the scan point, the worst is told
 };
 
 /// "C1.amplitude", "species[1].name", "parts".

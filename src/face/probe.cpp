@@ -63,9 +63,11 @@ void add_rotating(const RotatingTerm& term, double gamma, const Vector3& place, 
   sum.slope[7] += slope.z;
 }
 
-void add_swinging(const SwingingTerm& term, const Vector3& place, double time, Here& sum) {
-  const double share = portable::cos(known(2 * std::numbers::pi * term.oscillator.frequency * time, time) +
-                                     term.oscillator.phase);
+void add_swinging(const SwingingTerm& term, double gamma, const Vector3& place, double time, Here& sum) {
+  const Oscillator& clock = term.oscillator;
+  const double turned = clock.frequency * time + swept(clock.sweep, time),
+               share =
+                   portable::cos(known(2 * std::numbers::pi * turned, time) + clock.phase_of_swing(gamma));
   FieldHere<double> peak{};
   add_field<HostMaths>(term.field, place.x, place.y, place.z, peak);
   for (int i = 0; i < 3; ++i) sum.field[i] += share * peak.field[i];
@@ -92,7 +94,7 @@ Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart
       look_at_fringe(term, place, sum);
     }
     for (const SwingingTerm& term : section.swinging) {
-      add_swinging(term, place, time, sum);
+      add_swinging(term, first.gyromagnetic_ratio, place, time, sum);
       look_at_fringe(term.field, place, sum);
     }
     for (const ShapedTerm& term : section.electric) {

@@ -69,8 +69,11 @@ struct Oscillator {
   bool random_phase = false;  // the phase at emission is drawn for each particle
   int harmonic = 1;           // of the clock whose phase that is: so many times the phase that is drawn
   Sweep sweep{};
+  double lag = 0;  // [rad] of what swings: that one axis of a turning field comes behind the other
   bool operator==(const Oscillator&) const = default;
 
+  /// [rad] Of what swings by it, cos(2 pi f t + it), where first turns towards second by sense f.
+  double phase_of_swing(double gyromagnetic_ratio) const { return sense(gyromagnetic_ratio) * (phase - lag); }
   /// The sense of turning about first x second of a field, +1 or -1, for a species with that gamma; a species
   /// without a moment counts as one with gamma > 0.
   double sense(double gyromagnetic_ratio) const {

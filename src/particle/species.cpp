@@ -31,6 +31,7 @@ constexpr std::string_view codata = "CODATA 2022";
 constexpr std::string_view ame_codata_p = "AME2020 (mass), CODATA 2022 (proton)";
 constexpr std::string_view ame_codata_d = "AME2020 (mass), CODATA 2022 (deuteron)";
 constexpr std::string_view ame_codata_h = "AME2020 (mass), CODATA 2022 (helion)";
+constexpr std::string_view ame_shielded = "AME2020 (mass), CODATA 2022 (shielded helion)";
 constexpr std::string_view ame_stone = "AME2020 (mass), Stone 2014 (moment)";
 
 // Li-7 is rounded from AME2020 7.01600343426(450) u and Stone's 3.256427(2) mu_N.
@@ -54,6 +55,7 @@ constexpr Entry entries[] = {
     {"H",        "1.007825031898(14) u",      0, {1}, "42.577478461(18) MHz/T",    ame_codata_p, electrons},
     {"D",        "2.014101777844(15) u",      0, {2}, "0.8574382335(22) mu_N",     ame_codata_d, electrons},
     {"He-3",     "3.01602932197(6) u",        0, {1}, "-2.1276253498(17) mu_N",    ame_codata_h, shield_he},
+    {"He-3 gas", "3.01602932197(6) u",        0, {1}, "-32.434100033(28) MHz/T",   ame_shielded, ""},
     {"Li-6",     "6.01512288742(155) u",      0, {2}, "0.8220473(6) mu_N",         ame_stone,    electrons},
     {"Li-7",     "7.01600340(4) u",           0, {3}, "16.54828(1) MHz/T",         ame_stone,    electrons},
     {"F-19",     "18.99840316207(88) u",      0, {1}, "2.628868(8) mu_N",          ame_stone,    electrons},

@@ -2,16 +2,30 @@
 // What fields with a clock have in common: their own oscillator or another one's, a zone, a bore.
 #include <fmt/format.h>
 
+#include <numbers>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "parts/fringe.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
 
-/// Adds a part with `frequency`, `phase`, `oscillator`, `profile`, `length`, `bore`; `turn` is its own
-/// clock's.
+/// A field with a fringe: what swings along either axis, and what Maxwell's equations have beside the beam's.
+template <class Part>
+void add_fringed(const Part& part, const Placement& place, const RotatingTerm& term,
+                 const std::string& oscillator, SectionBuilder& builder) {
+  for (const auto& [axis, lag] : {std::pair{term.first, 0.0}, std::pair{term.second, std::numbers::pi / 2}}) {
+    FringedField fringed(shape_of(part.fringe, RectangularProfile{}), place.at, part.length, part.offset);
+    fringed.add(part.amplitude * axis);
+    fringed.contribute_swinging(builder, oscillator, term.oscillator.phase, lag);
+  }
+}
+
+/// Adds a part with `frequency`, `phase`, `oscillator`, `profile`, `fringe`, `length`, `bore`; `turn` is its
+/// own clock's.
 template <class Part>
 void add_alternating(const Part& part, const Placement& place, RotatingTerm term, Turn turn,
                      SectionBuilder& builder) {
@@ -28,7 +42,11 @@ void add_alternating(const Part& part, const Placement& place, RotatingTerm term
                                     .phase = part.phase.angle,
                                     .random_phase = part.phase.kind == Phase::Kind::random,
                                     .sweep = sweep_of(part.sweep, part.frequency.value())});
-  builder.zone(place.at, end, term, part.oscillator.value_or(place.name));
+  const std::string& oscillator = part.oscillator ? *part.oscillator : place.name;
+  if (std::holds_alternative<HardFringe>(part.fringe))
+    builder.zone(place.at, end, term, oscillator);
+  else
+    add_fringed(part, place, term, oscillator, builder);
   if (part.bore) builder.bore(place.at, end, part.bore->radius, part.offset);
 }
 
@@ -77,6 +95,32 @@ void check_pulses(const Part& part, const std::string& name, std::vector<Fault>&
                    "make `period` longer, or omit `pulses` for a field that is always on"});
 }
 
+/// What a field with a fringe, which swings at all places at once, cannot have.
+template <class Part>
+void check_fringe(const Part& part, const Placement& place, std::vector<Fault>& out) {
+  if (std::holds_alternative<HardFringe>(part.fringe)) return;
+  const auto check = [&](bool given, const char* key) {
+    if (given)
+      out.push_back({place.name, key,
+                     fmt::format("`{}` has a fringe, with which it has no `{}`", place.name, key),
+                     fmt::format("omit `{}`, or `fringe`", key)});
+  };
+  check(!std::holds_alternative<RectangularProfile>(part.profile), "profile");
+  check(part.pulses.has_value(), "pulses");
+  check(part.phase_gradient != PhaseGradient{}, "phase_gradient");
+  check(part.amplitude_gradient != AmplitudeGradient{}, "amplitude_gradient");
+  if constexpr (requires { part.twist; }) check(part.twist != 0, "twist");
+  if constexpr (requires { part.phase_advance; }) check(part.phase_advance != 0, "phase_advance");
+  if constexpr (requires { part.approximation; })
+    if (part.approximation != decltype(part.approximation)::none)
+      out.push_back(
+          {place.name, "approximation",
+           fmt::format("`{}` has a fringe, and is followed as the whole field that it is", place.name),
+           "write `approximation: none`, or omit `fringe`"});
+  for (Fault& fault : faults_of_fringe(part.fringe, RectangularProfile{}, place))
+    out.push_back(std::move(fault));
+}
+
 /// A clock of its own has a frequency and, of a field that turns, a sense; one that is followed gives both.
 template <class Part>
 std::vector<Fault> faults_of_clock(const Part& part, const Placement& place) {
@@ -102,6 +146,7 @@ std::vector<Fault> faults_of_clock(const Part& part, const Placement& place) {
   if constexpr (requires { part.sense; }) check("sense", part.sense.has_value(), "co");
   check_sweep(part, name, out);
   check_pulses(part, name, out);
+  check_fringe(part, place, out);
   if (part.oscillator && part.phase.kind == Phase::Kind::random)
     out.push_back({name, "phase",
                    fmt::format("the phase of `{}` cannot be random: it follows the clock of `{}`", name,

@@ -158,6 +158,11 @@ void FringedField::contribute(SectionBuilder& builder, const std::optional<Oscil
   for (const ShapedTerm& term : terms_) add_shaped(clock, begin_, end_, term, builder);
   for (const double y : kinks_) builder.kink(y);
 }
+void FringedField::contribute_swinging(SectionBuilder& builder, const std::string& oscillator, double phase,
+                                       double lag) const {
+  for (const ShapedTerm& term : terms_) builder.swinging(begin_, end_, term, oscillator, phase, lag);
+  for (const double y : kinks_) builder.kink(y);
+}
 void FringedField::contribute_electric(SectionBuilder& builder) const {
   for (const ShapedTerm& term : terms_) builder.electric(begin_, end_, term);
   for (const double y : kinks_) builder.kink(y);

@@ -3,6 +3,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -105,6 +106,8 @@ class FringedField {
   void add_wires(const MagnetShape&, const OwnFrame&);
 
   void contribute(SectionBuilder&, const std::optional<Oscillator>& clock = std::nullopt) const;
+  /// Swinging by that oscillator, with a phase of its own and what it lags in the sense of turning.
+  void contribute_swinging(SectionBuilder&, const std::string& oscillator, double phase, double lag) const;
   void contribute_electric(SectionBuilder&) const;
   /// The terms that it adds up to.
   std::vector<PlacedTerm> terms() const;
@@ -118,8 +121,8 @@ class FringedField {
   std::vector<ShapedTerm> terms_;
   std::vector<double> kinks_;  // [m], where the curve is not smooth, nor is the field off the axis
 };
-/// A magnet that starts at the place: its force as far as the fringe reaches, and the field on the beam's axis
-/// [T], which is there where the law replaces the force. `add_to` adds its whole field.
+/// A magnet that starts at the place: its force as far as the fringe reaches, and the field on the beam's
+/// axis [T], which is there where the law replaces the force. `add_to` adds its whole field.
 void contribute_magnet(MagnetTerm, const Fringe&, const Placement&, const Vector3& on_axis,
                        const std::function<void(FringedField&)>& add_to, SectionBuilder&);
 /// A curve that never ends, or two curves.

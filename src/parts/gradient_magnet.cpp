@@ -32,7 +32,10 @@ void contribute(const GradientMagnet& part, const Placement& place, SectionBuild
   }
   contribute_magnet(
       term, part.fringe, place, {0, 0, field_on_axis(part)},
-      [&](FringedField& whole) { whole.add({0, 0, part.field}, slopes_of(term.shape)); }, builder);
+      [&](FringedField& whole) {
+        whole.add({0, 0, part.field}, slopes_of(term.shape));
+      },
+      builder);
 }
 
 std::vector<Fault> faults_of(const GradientMagnet& part, const Placement& place) {

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "parts/drive_shape.hpp"
+#include "parts/fringe.hpp"
 #include "parts/phase.hpp"
 #include "parts/placement.hpp"
 #include "parts/profile.hpp"
@@ -37,6 +38,7 @@ struct OscillatingField {
   UnitVector direction{1, 0, 0};
   double phase_advance = 0;  // [rad]
   DriveProfile profile{};
+  Fringe fringe{};
   std::optional<Bore> bore;
   std::optional<FrequencySweep> sweep{};  // of its own clock
   std::optional<PulseTrain> pulses{};
@@ -64,6 +66,8 @@ inline constexpr auto parameters<OscillatingField> = std::tuple{
           UnitVector{1, 0, 0}),
     param("profile", &OscillatingField::profile,
           "how its amplitude runs along its length; rectangular if omitted", DriveProfile{}),
+    param("fringe", &OscillatingField::fringe,
+          "how it ends along the beam, followed as a whole field; hard if omitted", Fringe{}),
     param("phase_advance", &OscillatingField::phase_advance, Dimension::angle, range::any,
           "angle by which its phase gets ahead over its length: a wave that travels against the beam", 0.0),
     param("bore", &OscillatingField::bore, "wall around the field; none if omitted"),

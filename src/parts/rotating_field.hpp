@@ -2,6 +2,7 @@
 #include <array>
 
 #include "parts/drive_shape.hpp"
+#include "parts/fringe.hpp"
 #include "parts/phase.hpp"
 #include "parts/placement.hpp"
 #include "parts/profile.hpp"
@@ -39,6 +40,7 @@ struct RotatingField {
   std::optional<std::string> oscillator;  // name of the rotating_field whose clock this zone follows
   std::optional<Bore> bore;
   DriveProfile profile{};
+  Fringe fringe{};
   double twist = 0;                       // [rad]
   std::optional<FrequencySweep> sweep{};  // of its own clock
   std::optional<PulseTrain> pulses{};
@@ -65,6 +67,8 @@ inline constexpr auto parameters<RotatingField> = std::tuple{
     param("bore", &RotatingField::bore, "wall around the field; none if omitted"),
     param("profile", &RotatingField::profile, "how its size runs along its length; rectangular if omitted",
           DriveProfile{}),
+    param("fringe", &RotatingField::fringe,
+          "how it ends along the beam, followed as a whole field; hard if omitted", Fringe{}),
     param("twist", &RotatingField::twist, Dimension::angle, range::any,
           "angle by which the field's direction also turns over its length, right-handed about +z", 0.0),
     param("sweep", &RotatingField::sweep, "how its frequency changes in time; not at all if omitted"),

@@ -31,7 +31,9 @@ void contribute_two_wire(const MagnetTerm& magnet, const Fringe& fringe, const P
   const double c = portable::cos(magnet.tilt.y), s = portable::sin(magnet.tilt.y);
   contribute_magnet(
       magnet, fringe, place, two_wire_field_on_axis(magnet.shape, magnet.offset, magnet.tilt),
-      [&](FringedField& whole) { whole.add_wires(magnet.shape, {{s, 0, c}, {c, 0, -s}, {0, 1, 0}}); },
+      [&](FringedField& whole) {
+        whole.add_wires(magnet.shape, {{s, 0, c}, {c, 0, -s}, {0, 1, 0}});
+      },
       builder);
 }
 

@@ -279,7 +279,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.field.begin = begin;
     part.field.end = end;
     part.shaped_begin = static_cast<int>(out.shaped.size());
-    add_shaped_fields(section, part.field, out.shaped);
+    zones.add_shaped_fields(section, part.field, out.shaped);
     part.shaped_end = static_cast<int>(out.shaped.size());
     part.has_courses = std::ranges::any_of(section.shaped, &ShapedTerm::moves);
     for (int i = 0; i < part.field.drives; ++i)

@@ -126,7 +126,7 @@ void RegionMaker::fly_through_field(RegionZone& zone) {
   const Vector3 uniform = zones_.static_field(*section_);
   zone.uniform[0] = uniform.x, zone.uniform[1] = uniform.y, zone.uniform[2] = uniform.z;
   zone.shaped_begin = static_cast<int>(region_.shaped.size());
-  add_shaped_fields(*section_, zone.field, region_.shaped);
+  zones_.add_shaped_fields(*section_, zone.field, region_.shaped);
   zone.shaped_end = static_cast<int>(region_.shaped.size());
   region_.shaped.insert(region_.shaped.end(), section_->electric.begin(), section_->electric.end());
   zone.electric_end = static_cast<int>(region_.shaped.size());

@@ -37,24 +37,27 @@ double fastest_of(const DriveTerm& drive) {
 }
 
 /// For a field that swings with its angle.
-DriveTerm drive_without_field(const Oscillator& oscillator) {
+DriveTerm drive_without_field(const Oscillator& oscillator, double gyromagnetic_ratio) {
   DriveTerm drive;
   put({}, drive.second);
   drive.omega = two_pi * oscillator.frequency;
-  drive.phase = oscillator.phase;
+  drive.phase = oscillator.phase_of_swing(gyromagnetic_ratio);
   drive.oscillator = oscillator.random_phase ? oscillator.part : -1;
-  drive.random_turn *= oscillator.harmonic;
+  drive.random_turn *= oscillator.harmonic * oscillator.sense(gyromagnetic_ratio);
+  drive.sweep = oscillator.sweep;
+  drive.sweep.rate *= two_pi;
   return drive;
 }
 
 }  // namespace
 
-void add_shaped_fields(const Section& section, SpinZone& zone, std::vector<ShapedTerm>& fields) {
+void ZoneMaker::add_shaped_fields(const Section& section, SpinZone& zone,
+                                  std::vector<ShapedTerm>& fields) const {
   fields.insert(fields.end(), section.shaped.begin(), section.shaped.end());
   const Oscillator* last = nullptr;
   for (const SwingingTerm& term : section.swinging) {
     if (last == nullptr || !(*last == term.oscillator))
-      zone.drive[zone.drives++] = drive_without_field(term.oscillator);
+      zone.drive[zone.drives++] = drive_without_field(term.oscillator, species_.gyromagnetic_ratio);
     last = &term.oscillator;
     fields.push_back(term.field);
     fields.back().drive = zone.drives - 1;

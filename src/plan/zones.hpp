@@ -36,6 +36,9 @@ class ZoneMaker {
         latest_start_(latest_start) {}
 
   SpinZone zone_of(const Section&) const;
+  /// Puts the fields of a section that differ from place to place behind others: those that stand, then those
+  /// that swing, for whose angles its zone gets drives without fields of their own.
+  void add_shaped_fields(const Section&, SpinZone&, std::vector<ShapedTerm>&) const;
   /// Shortens the steps of spins through a zone that a straight flight passes until they keep the tolerance.
   void keep_tolerance(SpinZone&) const;
   /// By how much anything has turned when a particle leaves a zone [rad].
@@ -60,10 +63,6 @@ class ZoneMaker {
 
 /// The one for a species of a beam, which must outlive it.
 ZoneMaker zone_maker(const Beamline&, const Species&);
-
-/// Puts the fields of a section that differ from place to place behind others: those that stand, then those
-/// that swing, for whose angles its zone gets drives without fields of their own.
-void add_shaped_fields(const Section&, SpinZone&, std::vector<ShapedTerm>&);
 
 /// [rad/s] What its sweep adds to the rate of a drive in all.
 double swept_in_all(const DriveTerm&);

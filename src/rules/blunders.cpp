@@ -244,7 +244,7 @@ void find_overlaps(const Beamline& beamline, Faults& out) {
     if (traits_of(one.part).drives && traits_of(other.part).drives && clock(one) == clock(other))
       out.push_back(warning(name, "at",
                             fmt::format("`{}` and `{}` follow one clock and overlap {}, where their "
-                                        "amplitudes add up",
+                                        "fields add up",
                                         one.placement.name, name, where),
                             help));
     if (is_magnet(one.part) && is_magnet(other.part))

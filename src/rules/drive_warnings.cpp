@@ -264,7 +264,7 @@ void judge_rotating_wave(const Beamline& beamline, const Species& species, Fault
                   fmt::format("the rotating-wave approximation of `{}` is poor: the half of its field that "
                               "turns with the spins is {:.2g} of the static field",
                               name, share),
-                  "`approximation: none` integrates the whole field"));
+                  "`approximation: none` integrates the whole field", share));
     else if (const double shift = std::abs(d.larmor()) / two_pi * share * share / 4; shift > d.width())
       out.push_back(warning(
           name, "approximation",
@@ -273,7 +273,7 @@ void judge_rotating_wave(const Beamline& beamline, const Species& species, Fault
               "than the line's width, 1/T = {}",
               name, pretty_quantity(shift, Dimension::frequency),
               pretty_quantity(d.width(), Dimension::frequency)),
-          "`approximation: none` takes the whole field"));
+          "`approximation: none` takes the whole field", share));
   }
 }
 

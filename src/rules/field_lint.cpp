@@ -28,23 +28,28 @@ struct AxisField {
   }
 };
 
-Vector3 field_at(const Section& section, double y, double t) {
-  FieldHere<double> sum{}, peak{};
-  sum.field[0] = section.field.x, sum.field[1] = section.field.y, sum.field[2] = section.field.z;
+Vector3 vector_of(const FieldHere<double>& here) { return {here.field[0], here.field[1], here.field[2]}; }
+/// But for what swings.
+Vector3 steady_field_at(const Section& section, double y, double t) {
+  FieldHere<double> sum{};
   for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, sum);
+  return section.field + vector_of(sum);
+}
+Vector3 field_at(const Section& section, double y, double t) {
+  Vector3 sum = steady_field_at(section, y, t);
   for (const SwingingTerm& term : section.swinging) {
-    peak = {};
+    FieldHere<double> peak{};
     add_field<HostMaths>(term.field, 0.0, y, 0.0, peak);
     const double share =
         portable::cos(2 * std::numbers::pi * term.oscillator.frequency * t + term.oscillator.phase);
-    for (int i = 0; i < 3; ++i) sum.field[i] += share * peak.field[i];
+    sum = sum + share * vector_of(peak);
   }
-  return {sum.field[0], sum.field[1], sum.field[2]};
+  return sum;
 }
 Vector3 electric_field_at(const Section& section, double y, double /*it stands*/) {
   FieldHere<double> sum{};
   for (const ShapedTerm& term : section.electric) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
-  return {sum.field[0], sum.field[1], sum.field[2]};
+  return vector_of(sum);
 }
 constexpr double hair = 1e-6;  // of a section's length: its end itself may be rounded to outside
 
@@ -230,12 +235,44 @@ bool ends_quietly(const AxisField& field, const Beamline& beamline, const Placed
          (!field.ends(caught_at) || is_quiet_end(field, beamline, part, false));
 }
 
+/// Whether divergence or curl are large, or far larger than what the map misses between its nodes.
+bool is_no_field(const MapQuality& q) {
+  constexpr double large = 5e-3, slight = 3e-4, unlike = 20;
+  const double wrong = std::max(q.divergence.rms, q.curl.rms);
+  return wrong > large || (q.halved && !q.noisy && wrong > std::max(slight, unlike * q.error.rms));
+}
+
 std::string text_of(const MapQuality& q) {
   return fmt::format("{}, div {:.1g}, curl {:.1g}",
                      !q.halved ? std::string("too few nodes for its error")
                                : fmt::format("error {:.1g} (largest {:.1g}){}", q.error.rms, q.error.largest,
                                              q.noisy ? ", noise" : ""),
                      q.divergence.rms, q.curl.rms);
+}
+
+/// Where a static field on the axis ends in one direction and goes on in another, at once or behind a gap:
+/// spins and levels stay as they are, and precess about another axis from there on.
+std::string report_of_turns(const Beamline& beamline) {
+  constexpr double slight = 1e-2;  // [rad]
+  std::string out;
+  Vector3 left;
+  double left_at = 0;
+  for (const Section& section : sections_of(beamline).sections) {
+    const double inside = hair * (section.end - section.begin);
+    const Vector3 met = steady_field_at(section, section.begin + inside, 0),
+                  last = steady_field_at(section, section.end - inside, 0);
+    const double turn = portable::atan2(length_of(cross(left, met)), dot(left, met));
+    if (left != Vector3{} && met != Vector3{} && turn > slight)
+      out +=
+          fmt::format("  by {:.3g} degrees {}\n", turn * (180 / std::numbers::pi),
+                      section.begin - left_at > inside
+                          ? fmt::format("over the gap from {} to {}", metres(left_at), metres(section.begin))
+                          : fmt::format("at {}", metres(section.begin)));
+    if (last == Vector3{}) continue;
+    left = last;
+    left_at = section.end;
+  }
+  return out.empty() ? out : "where the static field on the axis turns at once\n" + out;
 }
 
 }  // namespace
@@ -267,11 +304,11 @@ std::string report_of_fields(const Beamline& beamline) {
                          nodes, tables.in_time, bytes / 1048576, text_of(quality_of(tables)));
     }
   }
-  return out.empty() ? out : "fields that are followed along each path\n" + out;
+  return (out.empty() ? out : "fields that are followed along each path\n" + out) + report_of_turns(beamline);
 }
 
 std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
-  constexpr double poor_map = 1e-3, wrong_map = 5e-3;
+  constexpr double poor_map = 1e-3;
   const double end = caught_at(beamline);
   Faults out;
   for (const PlacedPart& part : beamline.parts) {
@@ -296,7 +333,7 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
           "is one of the units wrong?"));
     if (tables.maps.empty()) continue;
     const MapQuality quality = quality_of(tables);
-    if (std::max(quality.divergence.rms, quality.curl.rms) > wrong_map)
+    if (is_no_field(quality))
       out.push_back(warning(
           name, std::string(key),
           fmt::format("the {} of `{}` is no field without {}: over one step its divergence is {:.1g} and "

@@ -14,8 +14,10 @@ struct Plan;
 /// 095106 (2018)).
 inline constexpr double most_magnetic_field = 1200;
 
-inline Fault warning(std::string subject, std::string key, std::string message, std::string help = {}) {
-  return {std::move(subject), std::move(key), std::move(message), std::move(help), Severity::warning};
+inline Fault warning(std::string subject, std::string key, std::string message, std::string help = {},
+                     double badness = 0) {
+  return {std::move(subject), std::move(key),    std::move(message),
+          std::move(help),    Severity::warning, badness};
 }
 
 /// How near a field comes to its resonance over the points of a scan, in one unit of frequency.

@@ -41,15 +41,19 @@ Faults at_every_point(const ScanPoints& points, Faults (*find)(const Beamline&),
 }
 bool is_always_asked(const Beamline&, const Fault&) { return true; }
 
-/// Those of any of some hundred points between the first and the last.
+/// Those of any of some hundred points between the first and the last, each where it is worst.
 Faults at_any_point(const ScanPoints& points, Faults (*find)(const Beamline&)) {
   constexpr std::size_t most = 128;
   Faults out;
   const std::size_t step = points.size() / most + 1;
   for (std::size_t i = 0; i < points.size() + step - 1; i += step)
-    for (Fault& fault : find(points[std::min(i, points.size() - 1)]))
-      if (std::none_of(out.begin(), out.end(), [&](const Fault& other) { return is_same(fault, other); }))
+    for (Fault& fault : find(points[std::min(i, points.size() - 1)])) {
+      const auto known = std::ranges::find_if(out, [&](const Fault& other) { return is_same(fault, other); });
+      if (known == out.end())
         out.push_back(std::move(fault));
+      else if (fault.badness > known->badness)
+        *known = std::move(fault);
+    }
   return out;
 }
 

@@ -39,7 +39,12 @@ void SectionBuilder::shaped(double begin, double end, ShapedTerm term) {
 }
 void SectionBuilder::swinging(double begin, double end, ShapedTerm term, Oscillator oscillator) {
   term.part = oscillator.part = part_;
-  swinging_.push_back({{begin, end, part_}, {term, oscillator}});
+  swinging_.push_back({{begin, end, part_}, {{term, oscillator}, {}}});
+}
+void SectionBuilder::swinging(double begin, double end, ShapedTerm term, const std::string& oscillator,
+                              double phase, double lag) {
+  term.part = part_;
+  swinging_.push_back({{begin, end, part_}, {{term, {.phase = phase, .lag = lag}}, oscillator}});
 }
 void SectionBuilder::electric(double begin, double end, ShapedTerm term) {
   term.part = part_;
@@ -55,6 +60,16 @@ RotatingTerm SectionBuilder::follow(const Zone& zone) const {
   const double own = term.oscillator.phase;
   term.oscillator = oscillators_.at(zone.oscillator);
   term.oscillator.phase += own;
+  return term;
+}
+
+SwingingTerm SectionBuilder::follow(const Swing& swing) const {
+  SwingingTerm term = swing.term;
+  if (swing.oscillator.empty()) return term;
+  const Oscillator own = term.oscillator;
+  term.oscillator = oscillators_.at(swing.oscillator);
+  term.oscillator.phase += own.phase;
+  term.oscillator.lag = own.lag;
   return term;
 }
 
@@ -95,7 +110,7 @@ bool SectionBuilder::is_among_fields(const Plane& plane) const {
          overlaps(uniform_, [](const UniformTerm& term) { return term.field != Vector3{}; }) ||
          overlaps(coils_, [](const CoilTerm& coil) { return coil.angle != 0; }) ||
          overlaps(shaped_, [](const ShapedTerm&) { return true; }) ||
-         overlaps(swinging_, [](const SwingingTerm&) { return true; }) ||
+         overlaps(swinging_, [](const Swing&) { return true; }) ||
          overlaps(electric_, [](const ShapedTerm&) { return true; }) ||
          overlaps(bores_, [](const Wall&) { return true; }) ||
          std::ranges::any_of(planes_, [&](const Plane& other) {
@@ -159,8 +174,8 @@ Sections SectionBuilder::cut() const {
       if (covers(extent)) section.coils.push_back(term), anything = true;
     for (const auto& [extent, term] : shaped_)
       if (covers(extent)) section.shaped.push_back(term), anything = true;
-    for (const auto& [extent, term] : swinging_)
-      if (covers(extent)) section.swinging.push_back(term), anything = true;
+    for (const auto& [extent, swing] : swinging_)
+      if (covers(extent)) section.swinging.push_back(follow(swing)), anything = true;
     for (const auto& [extent, term] : electric_)
       if (covers(extent)) section.electric.push_back(term), anything = true;
     for (const auto& [extent, gap] : gaps_)

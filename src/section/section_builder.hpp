@@ -40,6 +40,10 @@ class SectionBuilder {
   void shaped(double begin, double end, ShapedTerm);
   /// One that swings by a clock of its own.
   void swinging(double begin, double end, ShapedTerm, Oscillator);
+  /// One that swings by that oscillator, which may be declared later: its own phase is added, and what it
+  /// lags in the sense of turning.
+  void swinging(double begin, double end, ShapedTerm, const std::string& oscillator, double phase,
+                double lag);
   /// Where a field jumps or bends sharply inside of its stretch: a step could pass such a place between those
   /// where it asks for the field.
   void kink(double y) { kinks_.push_back(y); }
@@ -68,7 +72,12 @@ class SectionBuilder {
     RotatingTerm term;
     std::string oscillator;  // empty: no clock
   };
+  struct Swing {
+    SwingingTerm term;
+    std::string oscillator;  // empty: its own
+  };
   RotatingTerm follow(const Zone&) const;
+  SwingingTerm follow(const Swing&) const;
   Sections cut() const;
   bool is_among_fields(const Plane& magnet) const;
   void make_field(const Plane& magnet);
@@ -78,7 +87,7 @@ class SectionBuilder {
   std::vector<std::pair<Extent, Zone>> zones_;
   std::vector<std::pair<Extent, CoilTerm>> coils_;
   std::vector<std::pair<Extent, ShapedTerm>> shaped_;
-  std::vector<std::pair<Extent, SwingingTerm>> swinging_;
+  std::vector<std::pair<Extent, Swing>> swinging_;
   std::vector<std::pair<Extent, ShapedTerm>> electric_;
   std::vector<std::pair<Extent, GapTerm>> gaps_;
   std::vector<std::pair<Extent, Wall>> bores_;

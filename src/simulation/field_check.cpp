@@ -186,7 +186,8 @@ class Checker {
     propagate(tree.next, batch);
   }
   std::optional<FieldCheck> found() const {
-    return stretches_ > 0 || found_.particles > 0 || too_long_ ? std::optional(found_) : std::nullopt;
+    const bool looked = stretches_ > 0 || found_.particles > 0 || too_long_ || found_.approximated;
+    return looked ? std::optional(found_) : std::nullopt;
   }
 
  private:
@@ -223,12 +224,16 @@ class Checker {
   /// The levels at the end of a way, which is asked for there.
   void compare(const SpinPath& path, const BatchView& batch) {
     const LevelWay& way = *path.way;
-    if (!LevelReference::is_for(way) || !ways_.insert(&way).second) return;
+    if (!ways_.insert(&way).second) return;
+    found_.tolerance = way.fields().tolerance;
+    if (!LevelReference::is_for(way)) {
+      found_.approximated = true;
+      return;
+    }
     alignas(64) std::uint64_t weights[Batch::capacity] = {}, shares[most_levels * Batch::capacity];
     std::fill_n(weights, batch.count, quanta_per_particle);
     share_levels(path, key_, isa_, batch, weights, shares);
     const LevelReference reference(way, key_);
-    found_.tolerance = way.fields().tolerance;
     const bool whole = operations_ == most_operations;  // which other ways have used nothing of
     for (int i = 0; i < batch.count; ++i) {
       const auto expected = reference.carried({{batch.x[i], batch.y, batch.z[i]},

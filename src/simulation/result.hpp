@@ -128,11 +128,12 @@ struct ResolvedParameter {
 /// The largest deviations of flights in steps from an independent integration, over a sample of particles.
 struct FieldCheck {
   std::uint64_t particles = 0;
-  double place = 0;      // over the length of the stretch
-  double direction = 0;  // [rad]
-  double spin = 0;       // of S, or of the image of z: that of a probability is about as large
-  double levels = 0;     // of the probability of a level of an atom
-  double tolerance = 0;  // that steps were chosen for
+  double place = 0;           // over the length of the stretch
+  double direction = 0;       // [rad]
+  double spin = 0;            // of S, or of the image of z: that of a probability is about as large
+  double levels = 0;          // of the probability of a level of an atom
+  double tolerance = 0;       // that steps were chosen for
+  bool approximated = false;  // levels are driven in the rotating-wave approximation, and not integrated
   double largest() const { return std::max({place, direction, spin, levels}); }
 };
 

@@ -35,7 +35,8 @@ void add_field_at(const ShapedTerm& term, const SpinZone& zone, const double* ph
   if (term.drive < 0) return rabiline::add_field_at<HostMaths>(term, place.x, place.y, place.z, t, sum);
   FieldHere<double> peak{};
   add_field<HostMaths>(term, place.x, place.y, place.z, peak);
-  const double share = portable::cos(zone.drive[term.drive].omega * t + phases[term.drive]);
+  const DriveTerm& drive = zone.drive[term.drive];
+  const double share = portable::cos(drive.omega * t + swept(drive.sweep, t) + phases[term.drive]);
   for (int k = 0; k < 3; ++k) sum.field[k] += share * peak.field[k];
   for (int k = 0; k < 9; ++k) sum.slope[k] += share * peak.slope[k];
 }

@@ -178,6 +178,10 @@ void write_field_check(const GroupWriter& entry, const FieldCheck& check) {
   put("spin", check.spin, "largest deviation of the spin, a unit vector");
   put("levels", check.levels, "largest deviation of the probability of a level of an atom");
   put("tolerance", check.tolerance, "what steps were chosen for");
+  group.number(
+      "approximated", std::uint64_t{check.approximated},
+      {{"units", "1"},
+       {"long_name", "1: levels that are driven in the rotating-wave approximation are not among them"}});
 }
 
 /// What nobody asked for is kept where it is a fifth of the file at most, or small anyway.

@@ -180,9 +180,9 @@ class LevelFlight {
       const real then = i == 4 ? s + h : fma(broadcast(0.5 + 0.5 * lobatto_point[i]), h, s);
       matrix_at(section, then, axes, at[i], there);
       good = good & (there.cosine > broadcast(0.5));
-      passing = max(
-          angle_passing_zero(last, there, broadcast(0.5 * (lobatto_point[i] - lobatto_point[i - 1])) * h),
-          passing);
+      passing =
+          max(angle_passing_zero(last, there, broadcast(0.5 * (lobatto_point[i] - lobatto_point[i - 1])) * h),
+              passing);
       last = there;
     }
     // H of waves may stand still with couplings in it, which exponentials follow exactly.

@@ -20,7 +20,9 @@ inline Vector add_field_at(const ShapedTerm& term, const SpinZone& zone, const r
   } else {
     const DriveTerm& drive = zone.drive[term.drive];
     const Phasor p = phasor(angle_at(drive, phases[term.drive], t, r));
-    now = {p.c, -drive.omega * p.s};
+    const real turning =
+        drive.sweep.rate == 0 ? broadcast(drive.omega) : drive.omega + swept_rate(drive.sweep, t);
+    now = {p.c, -turning * p.s};
   }
   FieldHere<real> peak{};
   add_field<LaneMaths>(term, r.x, r.y, r.z, peak);

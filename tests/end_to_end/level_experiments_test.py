@@ -149,6 +149,7 @@ def told_of_steps(run, name, *arguments):
 def test_summary_tells_how_far_levels_are_from_an_integration_or_that_there_is_none(run):
     assert re.fullmatch(r"  steps +within [1-9.]+e-\d+ of an independent integration of one particle; 0.0001 asked for",
                         told_of_steps(run, "rf-transition-unit", "--particles", "20"))
+    assert "not checked: where levels are driven in the rotating-wave approximation" in told_of_steps(run, "clock-majorana", "--particles", "20", "--no-scan")
     idle = [word for unit in ("weak", "medium", "strong") for word in ("--set", f"{unit}.amplitude=0 mT")]
     assert "not checked: an independent integration takes longer" in told_of_steps(
         run, "polarised-deuterium", "--particles", "20", "--no-scan", *idle)

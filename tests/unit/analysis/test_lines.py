@@ -158,9 +158,9 @@ def test_the_central_fringe_is_found_or_told_among_its_neighbours() -> None:
             clean = times * (19000 - 17000 * FORMS["ramsey"].f(x - 29170.0, 1100.0, 1.25e-4, 2.5e-3, 0.05))
             y = np.random.default_rng(seed).poisson(clean).astype(float)
             found = fit_line(x, y, np.diag(y), "ramsey")
-            centres = [found["centre"][0], *(centre for centre, _ in found.others)] if times == 1 else [found["centre"][0]]
+            centres = [found["centre"][0], *(centre for (centre,), _ in found.others)] if times == 1 else [found["centre"][0]]
             assert min(abs(centre - 29170) for centre in centres) < 10, (seed, times)
-    assert "or another fringe" in "".join(described(replace(found, others=((29358.9, 30.0),)), "Hz"))
+    assert "or another fringe" in "".join(described(replace(found, others=(((29358.9,), 30.0),)), "Hz"))
 
 
 @pytest.mark.parametrize("spread", [0.02, 0.1, 0.25])

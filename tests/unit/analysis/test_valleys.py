@@ -42,6 +42,6 @@ def test_fringes_of_a_short_scan_have_errors_that_cover_what_it_does_not_know(ex
         found = fit_line(x, *measured(0.1 + 0.6 * ramsey(x - 3, 0.25 / pulse, pulse, time, 0.08), seed), "ramsey")
         if abs(found["centre"][0] - 3) < 4:
             pulls.append((found["time"][0] - time) / found["time"][1])
-        centres = [found["centre"][0], *(centre for centre, _ in found.others)]
+        centres = [found["centre"][0], *(centre for (centre,), _ in found.others)]
         assert abs(found["centre"][0]) < extent / 2 and min(abs(centre - 3) for centre in centres) < 4
     assert len(pulls) > 2 and np.abs(pulls).max() < 3.5

@@ -36,11 +36,11 @@ constexpr Known known[] = {
     {"neutron", 1, -29.16469, 5e-6},   {"proton", 1, 42.5775, 5e-5},  {"deuteron", 2, 6.53590, 5e-6},
     {"electron", 1, -28024.951, 5e-4}, {"muon+", 1, 135.53881, 5e-6}, {"muon-", 1, -135.53881, 5e-6},
     {"H", 1, 42.5775, 5e-5},           {"D", 2, 6.53590, 5e-6},       {"He-3", 1, -32.43604, 6e-6},
-    {"Li-6", 2, 6.26613, 5e-6},        {"Li-7", 3, 16.54828, 5e-6},   {"F-19", 1, 40.07758, 5e-6},
-    {"Na-23", 3, 11.26885, 5e-6},      {"K-39", 3, 1.98934, 5e-6},    {"K-41", 3, 1.09191, 5e-6},
-    {"Rb-85", 5, 4.12529, 5e-6},       {"Rb-87", 3, 13.9814, 5e-5},   {"Ag-107", 1, -1.7314, 5e-5},
-    {"Ag-109", 1, -1.9904, 5e-5},      {"Xe-129", 1, -11.8604, 5e-5}, {"Cs-133", 7, 5.62335, 5e-6},
-    {"Hg-199", 1, 7.7123, 5e-5},
+    {"He-3 gas", 1, -32.43410, 5e-6},  {"Li-6", 2, 6.26613, 5e-6},    {"Li-7", 3, 16.54828, 5e-6},
+    {"F-19", 1, 40.07758, 5e-6},       {"Na-23", 3, 11.26885, 5e-6},  {"K-39", 3, 1.98934, 5e-6},
+    {"K-41", 3, 1.09191, 5e-6},        {"Rb-85", 5, 4.12529, 5e-6},   {"Rb-87", 3, 13.9814, 5e-5},
+    {"Ag-107", 1, -1.7314, 5e-5},      {"Ag-109", 1, -1.9904, 5e-5},  {"Xe-129", 1, -11.8604, 5e-5},
+    {"Cs-133", 7, 5.62335, 5e-6},      {"Hg-199", 1, 7.7123, 5e-5},
 };
 
 TEST(SpeciesLibrary, HasEverySpeciesOnceWithItsSpinSignAndRatio) {
@@ -59,6 +59,7 @@ TEST(SpeciesLibrary, HasTheMomentsThatItsSourcesPrint) {
   EXPECT_NEAR(moment("electron", bohr_magneton), -1.00115965218, 1e-9);
   EXPECT_NEAR(moment("muon-", bohr_magneton), -4.84197048e-3, 1e-11);
   EXPECT_NEAR(moment("He-3", bohr_magneton), -1.15874098083e-3, 1e-12);
+  EXPECT_NEAR(moment("He-3 gas", bohr_magneton), -1.15867149457e-3, 1e-12);
   EXPECT_NEAR(moment("Li-7", nuclear_magneton), 3.256427, 1e-6);
 }
 
@@ -69,6 +70,8 @@ TEST(SpeciesLibrary, AgreesWithTheRatiosOfMomentsThatWereMeasuredDirectly) {
   EXPECT_NEAR(moment("deuteron", 1) / moment("proton", 1), 0.30701220930, 1e-10);
   EXPECT_NEAR(moment("muon-", 1) / moment("proton", 1), -3.183345146, 1e-9);
   EXPECT_NEAR(moment("He-3", 1) * (1 - 5.9967029e-5) / moment("proton", 1), -0.76176657721, 1e-9);
+  EXPECT_NEAR(moment("He-3 gas", 1) / moment("proton", 1), -0.76176657721, 1e-9);
+  EXPECT_NEAR(megahertz("He-3 gas") / megahertz("neutron"), 1.112102, 1e-6);  // the critical dressing of both
   EXPECT_NEAR(megahertz("neutron") / megahertz("Hg-199") / (1 - 0.0158), -3.8424574, 1e-3);
 }
 

@@ -1,6 +1,8 @@
 // Fields that drive or align spins, and do not do what they are there for.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "warned.hpp"
 
 namespace rabiline::drive_warnings_test {
@@ -70,6 +72,25 @@ TEST(Warnings, TellThatADriveTurnsSpinsRoundAndRound) {
   EXPECT_EQ(faults[0].subject, "H0");
   EXPECT_NE(faults[0].message.find("drives 101 Rabi cycles of the spins"), std::string::npos)
       << faults[0].message;
+}
+
+TEST(Warnings, TellOfTheRotatingWaveApproximationWhereItIsWorst) {
+  Beamline b = standard();
+  OscillatingField field;
+  field.length = 0.2;
+  field.frequency = 291.64e3;
+  field.direction = {1, 0, 0};
+  field.approximation = Approximation::rotating_wave;
+  std::vector<Beamline> points;
+  for (const double share : {0.01, 0.2, 0.5, 0.3}) {
+    field.amplitude = 2 * share * 10e-3;
+    b.parts[2] = place("RF", b.parts[2].placement.at, field);
+    points.push_back(b);
+  }
+  const std::vector<Fault> faults = warned(points);
+  const auto poor = std::ranges::find(faults, "approximation", &Fault::key);
+  ASSERT_NE(poor, faults.end());
+  EXPECT_NE(poor->message.find("is 0.5 of the static field"), std::string::npos) << poor->message;
 }
 
 /// Two rotating fields with a magnet of 1e-9 T/m between them.

@@ -37,6 +37,23 @@ TEST(FieldLint, SaysNothingOfUniformFields) {
   EXPECT_TRUE(warnings_of_fields(suggested(291.6e3)).empty());
 }
 
+TEST(FieldLint, SaysWhereTheStaticFieldTurnsAtOnce) {
+  UniformField across;
+  across.length = 0.05;
+  across.field = 1e-3;
+  across.direction = {1, 0, 0};
+  Beamline beamline = suggested(291.6e3);
+  beamline.parts = {place("A", 0.6, across)};
+  EXPECT_EQ(report_of_fields(beamline), "");
+  across.direction = {0, 0, 1};
+  beamline.parts.push_back(place("B", 0.65, across));
+  across.direction = {0, 0, -1};
+  beamline.parts.push_back(place("C", 0.8, across));
+  EXPECT_EQ(report_of_fields(beamline),
+            "where the static field on the axis turns at once\n  by 90 degrees at 650 mm\n"
+            "  by 180 degrees over the gap from 700 mm to 800 mm\n");
+}
+
 TEST(FieldLint, SaysWhereAFieldEndsAndHowLargeItStillIs) {
   CurrentLoop loop{0.01, CoilField{1e-3}};
   EXPECT_THAT(report_of_fields(with(loop)),
@@ -73,6 +90,7 @@ TEST(FieldLint, TellsAMapThatIsNoFieldFromOneThatIs) {
   };
   EXPECT_FALSE(blames_components(warnings_of_fields(with(right))));
   EXPECT_TRUE(blames_components(warnings_of_fields(with(wrong))));
+  EXPECT_TRUE(blames_components(warnings_of_fields(with(MappedField{map_of(0.03)}))));
 }
 
 }  // namespace
