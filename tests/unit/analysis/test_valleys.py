@@ -1,9 +1,12 @@
 """Fits of closed forms whose likelihood has several minima, or none that is narrow."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from rabiline.forms import rabi, rabi_over, ramsey
+from rabiline.forms import lorentz, rabi, rabi_over, ramsey
+from rabiline.line_report import described
 from rabiline.lines import fit_line
 
 COUNTS = 1000  # where the curve is 1
@@ -45,3 +48,11 @@ def test_fringes_of_a_short_scan_have_errors_that_cover_what_it_does_not_know(ex
         centres = [found["centre"][0], *(centre for (centre,), _ in found.others)]
         assert abs(found["centre"][0]) < extent / 2 and min(abs(centre - 3) for centre in centres) < 4
     assert len(pulls) > 2 and np.abs(pulls).max() < 3.5
+
+
+def test_other_sets_of_lines_and_contrasts_of_both_signs_are_told() -> None:
+    x = np.linspace(-150, 150, 61)
+    found = fit_line(x, 1 - 0.5 * lorentz(x + 40, 20.0) + 0.2 * lorentz(x - 50, 20.0), 0.01, "lorentz", lines=2)
+    told = "\n".join(described(replace(found, others=(((-41.0, 48.0), 12.0),) * 7), "Hz"))
+    assert "or other lines: centres -41 Hz and 48 Hz with chi² 12.0" in told and "and 2 more that are as good" in told
+    assert "contrasts have opposite signs" in told
