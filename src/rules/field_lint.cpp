@@ -40,8 +40,8 @@ Vector3 field_at(const Section& section, double y, double t) {
   for (const SwingingTerm& term : section.swinging) {
     FieldHere<double> peak{};
     add_field<HostMaths>(term.field, 0.0, y, 0.0, peak);
-    const double share =
-        portable::cos(2 * std::numbers::pi * term.oscillator.frequency * t + term.oscillator.phase);
+    const double share = portable::cos(2 * std::numbers::pi * term.oscillator.frequency * t +
+                                       term.oscillator.phase_of_swing(1));
     sum = sum + share * vector_of(peak);
   }
   return sum;

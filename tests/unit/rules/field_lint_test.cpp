@@ -66,6 +66,17 @@ TEST(FieldLint, SaysWhereAFieldEndsAndHowLargeItStillIs) {
   EXPECT_THAT(found[0].help, HasSubstr("`reach`"));
 }
 
+TEST(FieldLint, KnowsTheSizeOfAFieldThatTurns) {
+  RotatingField drive;
+  drive.length = 0.05;
+  drive.amplitude = 85e-6;
+  drive.frequency = 29e3;
+  drive.sense = Sense::co;
+  drive.fringe = TanhFringe{0.005};
+  EXPECT_THAT(report_of_fields(with(drive)),
+              HasSubstr("F: rotating_field, 553.9 mm to 696.1 mm, up to 84.99 uT"));
+}
+
 TEST(FieldLint, KnowsThatAFieldFollowsTheClockOfAnother) {
   CurrentLoop loop{0.01, CoilField{1e-3}};
   loop.reach = 0.05;
