@@ -146,12 +146,17 @@ inline void set_matrix(const LevelManifold& f, const FollowedField& at, LevelMat
   }
 }
 
+/// The strongest coupling.
+inline real coupling_of(const LevelManifold& f, const LevelMatrix& h) {
+  real coupled2 = broadcast(0);
+  for (int j = 0; j < f.couplings; ++j) coupled2 = max(fma(h.re[j], h.re[j], h.im[j] * h.im[j]), coupled2);
+  return sqrt(coupled2);
+}
 /// What bounds the eigenvalues' size.
 inline real radius_of(const LevelManifold& f, const LevelMatrix& h) {
-  real most = broadcast(0), coupled2 = broadcast(0);
+  real most = broadcast(0);
   for (int k = 0; k < f.levels; ++k) most = max(abs(h.diagonal[k]), most);
-  for (int j = 0; j < f.couplings; ++j) coupled2 = max(fma(h.re[j], h.re[j], h.im[j] * h.im[j]), coupled2);
-  return fma(broadcast(f.most_of_one), sqrt(coupled2), most);
+  return fma(broadcast(f.most_of_one), coupling_of(f, h), most);
 }
 
 /// How weak couplings are at one moment against what they couple.

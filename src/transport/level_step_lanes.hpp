@@ -164,12 +164,16 @@ constexpr double sixth_share = 0.1;
 /// Of the product of the angles of P_3 and P_4, whose commutator neither has: a 63rd, less by what bounds
 /// of them are too large, and by what steps with turned couplings cancel.
 constexpr double apart_share = 0.0003;
+/// Of the angle of couplings' P_4 what is lost where it is no smaller than P_2, as of a field that is rough
+/// from point to point; the less, the smaller: P_8 is what Lobatto's points do not see.
+constexpr double rough_share = 0.25;
 /// A step of the length h through H at Lobatto's points, whose matrices are used up, and what it may be off
 /// by; false where it turns by too much. `take_out`: where couplings are weak, energies are taken out.
 inline mask step_through(const LevelManifold& f, real h, bool take_out, LevelMatrix* at, Amplitudes& state,
                          real& error) {
   to_legendre(f, h, at);
-  const real whole = radius_of(f, at[4]);
+  const real whole = radius_of(f, at[4]), second = coupling_of(f, at[2]), fourth = coupling_of(f, at[4]),
+             falls = fourth / max(max(second, fourth), broadcast(tiny));
   const mask weak = take_out ? are_weak(f, at[0]) : mask{};
   real phase[most_levels], radius[5];
   if (any(weak)) take_energies_out(f, weak, at, phase);
@@ -193,6 +197,7 @@ inline mask step_through(const LevelManifold& f, real h, bool take_out, LevelMat
   // Both alike leave P_4 out, and all of what is narrow between the points.
   const real off = sixth_share * fma(unseen, broadcast(unseen_share), difference(f.levels, rough, state));
   error = fma(off, sqrt(off), apart_share * radius[3] * radius[4]);
+  error = fma(rough_share * fourth, falls * falls, error);
   if (any(weak))
     for (int k = 0; k < f.levels; ++k) turn_back(phase[k], k, state);
   return good;
