@@ -173,8 +173,8 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
     is_doubtful = partial(_is_doubtful, x=x, lines=lines, has_fringes=chosen.period is not None)
     found = _best([least(fit) for fit in _minima(refined, guesses, beside, AS_GOOD * (1 + isinstance(errors, Poisson)))], x, is_doubtful)
     for _ in range(HOPS):
-        faint = range(lines) if found.constant - found.chi_squared < FAINT else ()
-        probed = [_probed(found, i, lambda at: held(found, i, at)) for i in dict.fromkeys((*faint, *(() if chosen.period else _entangled(found))))]
+        faint = {i: PROBED if i < lines else PROBED[:2] for i in range(2 * lines + own) if found.constant - found.chi_squared < FAINT}
+        probed = [_probed(found, i, lambda at: held(found, i, at), places) for i, places in {**faint, **({} if chosen.period else dict.fromkeys(_entangled(found), PROBED))}.items()]
         better = min((lower for _, _, lower in probed if lower is not None), key=lambda one: one[0], default=None)
         moved = found if better is None else replace(least(refined_from(better[1], covariance)), others=found.others)
         if better is None or is_doubtful(moved) > is_doubtful(found):
@@ -215,12 +215,12 @@ def _entangled(fit: LineFit) -> np.ndarray:
     return known[np.diag(np.linalg.pinv(correlation, hermitian=True)) > ENTANGLED**2]
 
 
-def _probed(fit: LineFit, number: int, held: Callable[[float], LineFit]) -> tuple[int, float, tuple[float, np.ndarray] | None]:
+def _probed(fit: LineFit, number: int, held: Callable[[float], LineFit], places: Sequence[float]) -> tuple[int, float, tuple[float, np.ndarray] | None]:
     """A faint line is where it is by a few points, from which its likelihood falls off slower than a parabola, and so does that of parameters which
-    make up for each other: by how much the error of one parameter is larger for what the badness is where it is `held` elsewhere, and where that is
-    lower, it and all values there."""
+    make up for each other: by how much the error of one parameter is larger for what the badness is where it is `held` elsewhere, so many errors
+    away as `places` say, and where that is lower, it and all values there."""
     error, wider, lower = fit.errors[number], 1.0, None
-    for away in PROBED if np.isfinite(error) else ():
+    for away in places if np.isfinite(error) else ():
         for side in (-1, 1):
             at = fit.values[number] + side * away * error
             try:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rabiline.forms import lorentz, rabi, rabi_over, ramsey
 from rabiline.line_report import described
-from rabiline.lines import fit_line
+from rabiline.lines import Poisson, fit_line
 
 COUNTS = 1000  # where the curve is 1
 
@@ -56,3 +56,13 @@ def test_other_sets_of_lines_and_contrasts_of_both_signs_are_told() -> None:
     told = "\n".join(described(replace(found, others=(((-41.0, 48.0), 12.0),) * 7), "Hz"))
     assert "or other lines: centres -41 Hz and 48 Hz with chi² 12.0" in told and "and 2 more that are as good" in told
     assert "contrasts have opposite signs" in told
+
+
+def test_the_width_and_the_contrast_of_a_faint_line_are_as_well_known_as_they_say() -> None:
+    x, pulls = np.linspace(-300, 300, 61), []
+    for seed in range(25):
+        counts = np.random.default_rng(seed).poisson(12 * (1 - 0.6 * lorentz(x - 7, 40.0))).astype(float)
+        found = fit_line(x, counts, Poisson(), "lorentz")
+        if abs(found["centre"][0] - 7) < 60:  # no dip that chance has made
+            pulls.append([(np.log(found["width"][0] / 40)) * found["width"][0] / found["width"][1], (found["contrast"][0] + 7.2) / found["contrast"][1]])
+    assert len(pulls) > 18 and (np.sqrt(np.mean(np.square(pulls), axis=0)) < 1.2).all() and np.abs(pulls).max() < 3.5
