@@ -102,7 +102,7 @@ void check_fringe(const Part& part, const Placement& place, std::vector<Fault>& 
   const auto check = [&](bool given, const char* key) {
     if (given)
       out.push_back({place.name, key,
-                     fmt::format("`{}` has a fringe, with which it has no `{}`", place.name, key),
+                     fmt::format("`{}` cannot have both a `fringe` and `{}`", place.name, key),
                      fmt::format("omit `{}`, or `fringe`", key)});
   };
   check(!std::holds_alternative<RectangularProfile>(part.profile), "profile");
@@ -113,10 +113,9 @@ void check_fringe(const Part& part, const Placement& place, std::vector<Fault>& 
   if constexpr (requires { part.phase_advance; }) check(part.phase_advance != 0, "phase_advance");
   if constexpr (requires { part.approximation; })
     if (part.approximation != decltype(part.approximation)::none)
-      out.push_back(
-          {place.name, "approximation",
-           fmt::format("`{}` has a fringe, and is followed as the whole field that it is", place.name),
-           "write `approximation: none`, or omit `fringe`"});
+      out.push_back({place.name, "approximation",
+                     fmt::format("`{}` has a fringe, so that its whole field acts", place.name),
+                     "write `approximation: none`, or omit `fringe`"});
   for (Fault& fault : faults_of_fringe(part.fringe, RectangularProfile{}, place))
     out.push_back(std::move(fault));
 }

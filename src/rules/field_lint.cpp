@@ -272,7 +272,7 @@ std::string report_of_turns(const Beamline& beamline) {
     left = last;
     left_at = section.end;
   }
-  return out.empty() ? out : "where the static field on the axis turns at once\n" + out;
+  return out.empty() ? out : "where the static field on the axis changes direction abruptly\n" + out;
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST(FieldLint, SaysWhereTheStaticFieldTurnsAtOnce) {
   across.direction = {0, 0, -1};
   beamline.parts.push_back(place("C", 0.8, across));
   EXPECT_EQ(report_of_fields(beamline),
-            "where the static field on the axis turns at once\n  by 90 degrees at 650 mm\n"
+            "where the static field on the axis changes direction abruptly\n  by 90 degrees at 650 mm\n"
             "  by 180 degrees over the gap from 700 mm to 800 mm\n");
 }
 
