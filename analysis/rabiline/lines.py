@@ -164,7 +164,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
 
     def beside(fit: LineFit) -> list[tuple[float, list[float], Sequence[float]]]:
         shared = np.exp(fit.values[lines:lines + own])
-        if chosen.others is not None:
+        if chosen.others is not None and not set(start) & set(chosen.parameters):
             return [(fit.chi_squared, (origin + extent * fit.values[:lines]).tolist(), other) for other in chosen.others(shared)]
         if chosen.period is None or lines > 1 or "centre" in start:
             return []
