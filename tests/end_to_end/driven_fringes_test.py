@@ -13,6 +13,7 @@ SPEED, BEGIN, END, EDGE = 1000.0, 1.2, 1.35, 0.012  # [m/s], [m] of the drive, a
 FREQUENCY, AMPLITUDE, STATIC = 29.4e3, 90e-6, 1e-3  # [Hz], [T], [T]
 GUIDE = f"kind: uniform_field, length: 0.6 m, field: {STATIC} T"
 DRIVE = f"length: {END - BEGIN} m, amplitude: {AMPLITUDE} T, fringe: {{kind: tanh, length: {EDGE} m}}"
+SHORT = ", fringe: {kind: sine, length: 1 um}"
 
 
 def curve(y: complex) -> complex:
@@ -54,13 +55,14 @@ def test_an_oscillating_field_has_a_part_along_the_beam_beside_its_axis(tmp_path
     assert levels_of(atom)[0] == pytest.approx(found, abs=2e-6)
 
 
-@pytest.mark.parametrize(("sense", "turns"), [("co", 1), ("counter", -1)])
-def test_a_rotating_field_turns_on_its_axis_as_it_does_without_a_fringe(tmp_path: Path, sense: str, turns: int) -> None:
+@pytest.mark.parametrize(("sense", "turns", "amplitude"), [("co", 1, AMPLITUDE), ("counter", -1, 20 * AMPLITUDE)])
+def test_a_rotating_field_turns_on_its_axis_as_it_does_without_a_fringe(tmp_path: Path, sense: str, turns: int, amplitude: float) -> None:
     def field(y: float, t: float) -> np.ndarray:
         azimuth = turns * 2 * np.pi * FREQUENCY * t + 0.4
-        return AMPLITUDE * curve(y).real * np.array([np.cos(azimuth), np.sin(azimuth), 0])
+        return amplitude * curve(y).real * np.array([np.cos(azimuth), np.sin(azimuth), 0])
 
-    path = experiment(tmp_path, GUIDE + f"}}\n  - {{name: H0, kind: rotating_field, at: {BEGIN} m, frequency: {FREQUENCY} Hz, sense: {sense}, phase: 0.4 rad, " + DRIVE)
+    path = experiment(tmp_path, GUIDE + f"}}\n  - {{name: H0, kind: rotating_field, at: {BEGIN} m, frequency: {FREQUENCY} Hz, sense: {sense}, phase: 0.4 rad, "
+                      + DRIVE.replace(f"{AMPLITUDE} T", f"{amplitude} T"))
     assert levels_of(on_axis(path))[0] == pytest.approx(up(field), abs=3e-6)
 
 
@@ -68,12 +70,22 @@ def test_a_rotating_field_turns_on_its_axis_as_it_does_without_a_fringe(tmp_path
 @pytest.mark.parametrize("kind", ["rotating_field, sense: counter", "rotating_field, sense: co", "oscillating_field, approximation: none"])
 def test_a_short_fringe_is_a_hard_edge_whoever_follows_whose_clock(tmp_path: Path, kind: str, phase: str) -> None:
     shared, levels = "length: 3 cm, amplitude: 250 uT", []
-    for number, fringes in enumerate([("", ""), (", fringe: {kind: sine, length: 2 um}", ""), ("", ", fringe: {kind: sine, length: 1 um}")]):
+    for number, fringes in enumerate([("", ""), (SHORT, ""), ("", SHORT)]):
         follower = kind.partition(", sense")[0]
         path = experiment(tmp_path, GUIDE + f"}}\n  - {{name: C1, at: 1.1 m, kind: {kind}, frequency: {FREQUENCY} Hz, phase: {phase}, {shared}{fringes[0]}}}"
                           f"\n  - {{name: C2, at: 1.4 m, kind: {follower}, oscillator: C1, phase: 50 deg, {shared}{fringes[1]}", f"{number}.yaml")
         levels.append(levels_of(on_axis(path))[0])
     assert ("counter" in kind) == (levels[0] > 0.97) and np.ptp(levels) < 1e-6
+
+
+@pytest.mark.parametrize("kind", ["rotating_field, sense: co", "oscillating_field, approximation: none"])
+def test_a_sweep_goes_on_in_a_fringe_and_in_those_that_follow(tmp_path: Path, kind: str) -> None:
+    shared, swept, levels = "length: 10 cm, amplitude: 60 uT", "frequency: 28 kHz, sweep: {begin: 1.13 ms, end: 1.45 ms, to: 31 kHz}", []
+    for number, fringes in enumerate([("", ""), (SHORT, ""), ("", SHORT)]):
+        path = experiment(tmp_path, GUIDE + f"}}\n  - {{name: C1, at: 1.1 m, kind: {kind}, {swept}, phase: 20 deg, {shared}{fringes[0]}}}"
+                          f"\n  - {{name: C2, at: 1.4 m, kind: {kind.partition(', sense')[0]}, oscillator: C1, phase: 50 deg, {shared}{fringes[1]}", f"{number}.yaml")
+        levels.append(levels_of(on_axis(path))[0])
+    assert levels[0] < 0.9 and np.ptp(levels) < 1e-6
 
 
 def test_what_a_field_with_a_fringe_cannot_have_is_told(tmp_path: Path) -> None:

@@ -1,9 +1,11 @@
 """Levels of atoms where drives and static fields begin and end at the same place: as a hair's breadth beside it."""
+import subprocess
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from experiments import RABILINE
 from runs import rabiline
 
 HAIR = 1e-7  # [m]
@@ -233,3 +235,11 @@ def test_levels_keep_their_names_at_faces_that_are_met_aslant(tmp_path: Path, ti
     for asked in (0.15, 0.3):
         assert levels(tmp_path, [box], "F=1 m=0", asked, "H(2S) atom", 300000) == pytest.approx([0, 1, 0, 0], abs=1e-5)
     assert "off by" not in rabiline("run", tmp_path / "levels.yaml", "-o", tmp_path / "again.h5").stderr
+
+
+@pytest.mark.parametrize("seed", [3005, 3088])
+def test_a_step_sees_a_zero_that_it_passes_by_and_a_field_that_is_rough_where_it_is_next_to_nothing(seed: int) -> None:
+    """3.8e-5 where steps passed by a coil's zero, 9e-6 where one ended in the last cell of a map that falls to nothing."""
+    script = Path(__file__).resolve().parents[2] / "tools" / "random-levels"
+    told = subprocess.run([script, RABILINE, "--boxes", "--first", str(seed), "--count", "1"], capture_output=True, text=True, check=False)
+    assert told.returncode == 0 and told.stdout.startswith("1 of 1 set-ups compared"), told.stdout + told.stderr
