@@ -25,6 +25,7 @@ SEEN = 2.0  # times that noise: nothing that is degenerate comes so far
 LED = 4.0  # of Q, two standard deviations: what falls by less along a direction may be the noise of the slopes
 MOST_ITERATIONS = 25
 AVERAGES = 12  # each halves, at least, what an average is off
+SETTLED = 1e-9  # of the errors, within which such an average has come to rest
 REACH = 2.0  # steps
 
 
@@ -55,7 +56,7 @@ class Fisher:
         """Of some of the parameters."""
         return Fisher(*(part[np.ix_(moving, moving)] for part in (self.matrix, self.noise, self.bent, self.trembling)))
 
-    @property
+    @cached_property
     def errors(self) -> np.ndarray:
         """[k] Of each parameter where the others are known."""
         return 1 / np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
@@ -235,10 +236,13 @@ def _averaged(straight: np.ndarray, bent: np.ndarray) -> tuple[np.ndarray, np.nd
     k = len(bent)
     matrix, scatter = straight.copy(), np.zeros((k, k))
     matrix[:k, :k] += np.diag(np.sqrt(np.maximum(np.einsum("iiii->i", bent), 0)))
+    none = np.zeros_like(matrix)
     for _ in range(AVERAGES):  # as Heron takes roots: of the bend, where there is no slope
-        scatter = _within_reach(Fisher(matrix, 0 * matrix, 0 * matrix, 0 * matrix).inverse[:k, :k])
-        matrix = (matrix + straight) / 2
+        scatter = _within_reach(Fisher(matrix, none, none, none).inverse[:k, :k])
+        before, matrix = matrix, (matrix + straight) / 2
         matrix[:k, :k] += np.einsum("ijml,jl->im", bent, scatter) / 2
+        if (np.abs(matrix - before) <= SETTLED * np.sqrt(np.outer(np.diag(matrix), np.diag(matrix)))).all():
+            break
     return matrix, scatter
 
 

@@ -29,6 +29,9 @@ template <class Number>
   }
 }
 
+/// Whether its z axis leans away from the y axis of the laboratory.
+inline bool is_tilted(const ShapedTerm& term) { return term.axes[6] != 0 || term.axes[8] != 0; }
+
 /// A map that ends what leaves it.
 inline bool nothing_may_leave(const ShapedTerm& term) {
   return (term.kind == ShapedKind::map && term.map.outside == MapOutside::error) ||
@@ -58,7 +61,8 @@ template <class Maths, class Number>
 
 /// The first time after `soonest`, and before `latest`, at which a way from `place` with `velocity` meets a
 /// surface where the field of a term jumps or bends sharply: the faces of a map, the windings of a coil, a
-/// sheet of current, the skin of a wire; else `latest`. A way that an acceleration may bend by up to `bend`
+/// sheet of current, the skin of a wire, where the curve of a tilted field along its axis begins and ends;
+/// else `latest`. A way that an acceleration may bend by up to `bend`
 /// is told a time at which it is not there yet, but nearer than the bend amounts to. The edges of sections
 /// are not among them.
 template <class Maths, class Number>
@@ -101,6 +105,14 @@ template <class Maths, class Number>
   if (term.kind == ShapedKind::round_map) {
     planes(2, term.round_map.begin[1], term.round_map.scale[1], term.round_map.nodes[1]);
     cylinder(-term.round_map.begin[0]);
+  }
+  if (term.kind == ShapedKind::fringed && is_tilted(term) && term.fringed.curve != FringeCurve::enge) {
+    const FringeShape& shape = term.fringed;
+    const double beside = shape.curve == FringeCurve::sine ? shape.fringe / 2 : 0;
+    for (const double edge : {-shape.half_length, shape.half_length}) {
+      plane(2, edge - beside);
+      if (beside > 0) plane(2, edge + beside);
+    }
   }
   if (term.kind == ShapedKind::flat_sheet) plane(1, 0);
   if (term.kind == ShapedKind::sheet) cylinder(term.sheet.radius);

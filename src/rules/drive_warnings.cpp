@@ -43,14 +43,15 @@ double nearest_rotation(const SpinZone& zone) {
   return std::clamp(zone.spin_rate, std::min(from, to), std::max(from, to));
 }
 
-std::vector<Drive> drives_of(const Beamline& beamline, const Species& species) {
+/// Of 0 Hz only where asked for.
+std::vector<Drive> drives_of(const Beamline& beamline, const Species& species, bool even_still = false) {
   std::vector<Drive> out;
   const ZoneMaker maker = zone_maker(beamline, species);
   const double speed = mean_speed(beamline.source.speed, species.mass);
   for (const Section& section : sections_of(beamline).sections) {
     if (!section.shaped.empty()) continue;  // static fields that the zone does not know
     const SpinZone zone = maker.zone_of(section);
-    if (zone.drives != 1 || zone.drive[0].omega == 0) continue;
+    if (zone.drives != 1 || (zone.drive[0].omega == 0 && !even_still)) continue;
     const double middle = (section.begin + section.end) / 2;
     for (const PlacedPart& part : beamline.parts)
       if (is_on(part.part) && part.placement.at < middle && middle < end_of(part))
@@ -242,7 +243,7 @@ namespace {
 
 /// The rotating-wave approximation of an oscillating field, where its other half is not small.
 void judge_rotating_wave(const Beamline& beamline, const Species& species, Faults& out) {
-  for (const Drive& d : drives_of(beamline, species)) {
+  for (const Drive& d : drives_of(beamline, species, true)) {
     const bool approximated = std::visit(
         [](const auto& any) {
           if constexpr (requires { any.approximation; })
@@ -252,7 +253,14 @@ void judge_rotating_wave(const Beamline& beamline, const Species& species, Fault
         d.part->part);
     const std::string& name = d.part->placement.name;
     if (!approximated) continue;
-    if (d.larmor() == 0)
+    if (d.zone.drive[0].omega == 0)
+      out.push_back(
+          warning(name, "approximation",
+                  fmt::format("`{}` does not swing: at 0 Hz the rotating-wave approximation leaves half "
+                              "of its field, which stands still",
+                              name),
+                  "write `approximation: none`, or a `uniform_field`"));
+    else if (d.larmor() == 0)
       out.push_back(warning(name, "approximation",
                             fmt::format("`{}` is used in the rotating-wave approximation where there is no "
                                         "static field for spins to precess in",

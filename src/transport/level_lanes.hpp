@@ -51,14 +51,15 @@ class LevelFlight {
     const FollowedField z = followed({{zero, zero, one}, {zero, zero, zero}}, axes_);
     meet(z, met ? min(abs(size_), broadcast(course_.behind)) : zero, counted & ~in_field);
     reversed_ = (in_field & (size_ < zero)) | (~in_field & (z.signed_size < zero));
+    lost_ = lost_ | (counted & ~(abs(norm() - 1.0) < broadcast(1e-6)));
   }
-  /// Which could not be followed to the end: numbers that are none, or steps too short to go on.
+  /// Which could not be followed to the end: amplitudes that are no numbers, or not one in all, or steps too
+  /// short to go on.
   mask lost() const { return lost_; }
   /// |a_k|^2, by the atom's levels.
   inline void probabilities(real* p, int levels) const {
     for (int n = 0; n < levels; ++n) p[n] = broadcast(0);
-    real sum = broadcast(0);
-    for (int k = 0; k < f_.levels; ++k) sum = fma(a.re[k], a.re[k], fma(a.im[k], a.im[k], sum));
+    const real sum = norm();
     for (int k = 0; k < f_.levels; ++k) {
       const real share = fma(a.re[k], a.re[k], a.im[k] * a.im[k]) / sum;
       p[f_.number[k]] = p[f_.number[k]] + select(reversed_, broadcast(0), share);
@@ -67,6 +68,12 @@ class LevelFlight {
   }
 
  private:
+  /// The sum of |a_k|^2, which keeps to 1.
+  inline real norm() const {
+    real sum = broadcast(0);
+    for (int k = 0; k < f_.levels; ++k) sum = fma(a.re[k], a.re[k], fma(a.im[k], a.im[k], sum));
+    return sum;
+  }
   /// Axes in no field are free: they turn to where the field that comes points, at the time s.
   inline void face_what_comes(const CourseSection& section, const FieldAtTime& field, real s, mask lanes,
                               FollowedField& here) {
@@ -220,6 +227,12 @@ class LevelFlight {
       now.im[j] = re;
     }
     for (int k = 0; k < f_.levels; ++k) now.diagonal[k] = broadcast(0);
+    // Where it is large no step will be taken dressed, and bare states are to come back as they were.
+    const real whole = max(broadcast(largest_radius), radius_of(f_, now)), part = largest_radius / whole;
+    for (int j = 0; j < f_.couplings; ++j) {
+      now.re[j] = part * now.re[j];
+      now.im[j] = part * now.im[j];
+    }
     Amplitudes changed = a;
     exponentiate(f_, now, changed);
     choose(f_.levels, lanes, changed, a);

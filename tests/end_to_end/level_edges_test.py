@@ -16,8 +16,9 @@ law: quantum
 source:
   speed: {{kind: single, value: {speed} m/s}}
   opening: {{radius: 0 mm}}
+  offset: {{x: {offset}, z: {offset}}}
   direction: parallel
-  spin: {{kind: levels, levels: [{start}]}}
+  spin: {start}
 parts:
 {parts}
   - {{name: m, kind: monitor, at: {asked} m, radius: 1 m, tallies: [{{name: found, axes: [level]}}]}}
@@ -27,9 +28,12 @@ seed: 1
 """
 
 
-def levels(folder: Path, parts: list[str], start: str, asked: float = 0.2, species: str = "D atom", speed: float = 1500) -> np.ndarray:
+def levels(folder: Path, parts: list[str], start: str, asked: float = 0.2, species: str = "D atom", speed: float = 1500,
+           offset: str = "0 m") -> np.ndarray:
+    spin = start if start.startswith("{") else f"{{kind: levels, levels: [{start}]}}"
     path = folder / "levels.yaml"
-    path.write_text(ATOM.format(parts="\n".join(f"  - {{{part}}}" for part in parts), start=start, asked=asked, species=species, speed=speed))
+    path.write_text(ATOM.format(parts="\n".join(f"  - {{{part}}}" for part in parts), start=spin, asked=asked, species=species, speed=speed,
+                                offset=offset))
     assert rabiline("run", path, "-o", path.with_suffix(".h5")).returncode == 0
     with h5py.File(path.with_suffix(".h5")) as file:
         return file["entry/m_found/counts"][:].ravel() / 8
@@ -243,3 +247,23 @@ def test_a_step_sees_a_zero_that_it_passes_by_and_a_field_that_is_rough_where_it
     script = Path(__file__).resolve().parents[2] / "tools" / "random-levels"
     told = subprocess.run([script, RABILINE, "--boxes", "--first", str(seed), "--count", "1"], capture_output=True, text=True, check=False)
     assert told.returncode == 0 and told.stdout.startswith("1 of 1 set-ups compared"), told.stdout + told.stderr
+
+
+def test_a_field_that_begins_to_turn_slowly_but_ever_faster_is_followed(tmp_path: Path) -> None:
+    """What turns levels by the slope of the field is nothing where that begins, and by its curvature is much."""
+    turning = 'name: M, kind: formula_field, at: 0.05 m, formula: {Bx: "0.001*sin(pi*y/0.1)^2", width: 1 cm, height: 1 cm, length: 0.1 m, step: 0.25 mm}'
+    found = levels(tmp_path, [turning, "name: B, kind: uniform_field, at: 0 m, length: 0.3 m, field: 50 uT"], "F=1/2 m=-1/2", 0.25, "D(2S) atom", 75000)
+    # Schroedinger's equation of I and J in the laboratory, by scipy's DOP853 with a tolerance of 1e-10.
+    assert np.abs(found - [0, 0, 0, 0, 0.870937, 0.129063]).max() < 2e-6
+
+
+@pytest.mark.parametrize(("course", "tilt"), [("profile: half_sine", "x: 0.5 deg"), ("fringe: {kind: sine, length: 4 cm}", "x: 3 deg, z: -4 deg")])
+def test_where_a_tilted_field_begins_and_ends_an_atom_turns_as_a_point_spin(tmp_path: Path, course: str, tilt: str) -> None:
+    """Beside its axis the field jumps on a face that leans."""
+    parts = [f"name: P, kind: multipole_field, at: 0.05 m, length: 0.2 m, poles: 4, field: 400 uT, radius: 10 mm, {course}, tilt: {{{tilt}}}",
+             "name: B, kind: uniform_field, at: 0.01 m, length: 0.37 m, field: 20 uT, direction: [0.2, 0, 1]"]
+    atom = "{name: X, mass: 1e6 u, charge: 0 e, structure: {I: 0, J: 1/2, g_J: -0.0015, g_I: 0}}"
+    point = "{name: X, mass: 1e6 u, charge: 0 e, spin: 1/2, gyromagnetic_ratio: 20994367.37565 Hz/T}"
+    found = levels(tmp_path, parts, "F=1/2 m=1/2", 0.39, atom, 400, offset="2 mm")
+    as_point = levels(tmp_path, parts, "{kind: populations, axis: z, values: [1, 0]}", 0.39, point, 400, offset="2 mm")
+    assert 0.05 < found[0] < 0.95 and np.abs(found - as_point).max() < 2e-5

@@ -39,7 +39,7 @@ BEAMLINES = Path(__file__).parents[2] / "beamline"
 FRINGES = Path(__file__).parents[2] / "docs" / "example" / "ramsey-fringes.yaml"
 NAMES = sorted(path.stem for path in BEAMLINES.glob("*.yaml"))
 LONG = "An experiment whose title takes eighty letters, which is no more than a paper may need"
-PARTICLES = 40  # at most: what is drawn, not what it means
+PARTICLES = 16  # at most: what is drawn, not what it means
 MM = {"column": (100, 80), "small": (86, 60), "page": (170, 220)}
 COLUMN, SMALL, PAGE = (tuple(length / 25.4 for length in size) for size in MM.values())  # inches
 MINUS = re.compile(r"(?:^|[\s=(,±×])-[\d.]")  # of ASCII, where the ticks have a true one
@@ -120,7 +120,7 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
     kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
     kinds += [("tally", {"name": tally, "points": six, "axes": own.axes[0].name, **size}) for tally, own in opened.tallies.items()]
     tries = [[each] for each in kinds]
-    tries += [[(kind, {**options, "size": size}) for size in (MM["small"], MM["column"])] for kind, options in small[NAMES.index(name) % 2::2]]
+    tries += [[(kind, {**options, "size": size}) for size in (MM["small"], MM["column"])] for kind, options in small[NAMES.index(name) % 3::3]]
     figures = {}
     for sizes in tries:
         for kind, options in sizes:

@@ -93,6 +93,23 @@ TEST(Warnings, TellOfTheRotatingWaveApproximationWhereItIsWorst) {
   EXPECT_NE(poor->message.find("is 0.5 of the static field"), std::string::npos) << poor->message;
 }
 
+TEST(Warnings, TellThatHalfOfAFieldOfZeroHertzIsLeftOut) {
+  Beamline b = standard();
+  OscillatingField field;
+  field.length = 0.2;
+  field.amplitude = 1e-6;
+  field.direction = {1, 0, 0};
+  for (const auto& [approximation, count] :
+       {std::pair{Approximation::rotating_wave, 1}, {Approximation::none, 0}}) {
+    field.approximation = approximation;
+    b.parts[2] = place("RF", b.parts[2].placement.at, field);
+    const std::vector<Fault> faults = warned({b});
+    EXPECT_EQ(std::ranges::count_if(
+                  faults, [](const Fault& f) { return f.message.find("`RF` does not swing") == 0; }),
+              count);
+  }
+}
+
 /// Two rotating fields with a magnet of 1e-9 T/m between them.
 TEST(Warnings, TellThatAGradientBetweenTwoDrivesIsNotIntegratedIntoThePhase) {
   Beamline b = standard();
