@@ -111,8 +111,10 @@ def _kind(value: object) -> str:
     return "a text" if isinstance(value, str) else type(value).__name__
 
 
-def place_of(name: object, names: tuple[str, ...]) -> int:
-    """The number of one of these names. Raises KeyError."""
+def place_of(name: object, names: tuple[str, ...], given: tuple[str, ...] = ()) -> int:
+    """The number of one of these names; of others what is asked for is `given` by the counts. Raises KeyError."""
+    if name in given:
+        raise KeyError(f"{name!r} starts where the counts have it, and is given no other start")
     if name not in names:
         near = difflib.get_close_matches(str(name), names, 1)
         raise KeyError(f"there is no {name!r}{f', but {near[0]!r}' if near else ''} (there is {', '.join(names)})")

@@ -150,7 +150,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
                        counts.across and (counts.across.parameter, counts.across.places), explore, told)
     values = model.start()
     for name, value in (start or {}).items():
-        first, i = name.split("+")[0], asked.place_of(name, tuple(names))
+        first, i = name.split("+")[0], asked.place_of(name, tuple(names), (SCALE, BACKGROUND))
         values[i] = experiment.scan().set({first: value}).value(first) if isinstance(value, str) else asked.number(f"start[{name!r}]", value)
     exposure = exposure_of(model, counts, values)
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or (name == SCALE and not exposure.is_known))

@@ -16,7 +16,7 @@ MANY = 201  # points from which on only those where the curve turns may be the c
 def periods_of(x: np.ndarray, y: np.ndarray, sigma: np.ndarray) -> list[float]:
     """The strongest periods of a curve y [n] with errors sigma [n] over rising x [n], the strongest first, in the unit of x; then those of a few
     fringes. What changes over the whole of the scan, as the line below the fringes does, is taken off as a parabola."""
-    extent, step = float(np.ptp(x)), float(np.median(np.diff(x)))
+    extent, step = float(np.ptp(x)), float(np.median(np.diff(np.unique(x))))
     at = 2 * (x - x[0]) / extent - 1
     rest = y - np.polynomial.polynomial.polyval(at, np.polynomial.polynomial.polyfit(at, y, 2, w=1 / sigma))
     rates = np.arange(FINE, max(FINE * extent / (2 * step), FINE) + 3) / (FINE * extent)  # at least three

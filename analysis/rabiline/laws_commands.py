@@ -145,6 +145,8 @@ def _read(options: argparse.Namespace, parameter: str, most: float) -> tuple[Tem
         raise NoTemplates("--background needs --rate, the particles that leave the source per second")
     backgrounds = tuple(screen.background if options.background is None else options.background
                         for screen in made.screens)
+    if options.seconds and not options.data:
+        raise NoTemplates("--seconds is the time at each scan point of --data: without them nothing is counted over a time")
     if any(backgrounds) and options.data and not options.seconds:
         raise NoTemplates("counts without a beam are stated, and not for how long: --seconds, the time at each scan "
                           "point of the data")

@@ -58,7 +58,8 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         file = results.read(options.file)
         found = curves(file, options.detector)
         if len(found) != 1:
-            raise InputError(f"{options.file}: {len(found)} curves: choose one with --detector, or scan one parameter")
+            choose = "" if options.detector or len(file.scan.detectors) == 1 else "choose one with --detector, or "
+            raise InputError(f"{options.file}: {len(found)} curves: {choose}scan one parameter")
         curve: Curve = found[0]
         x, y, errors, unit, name, title = curve.x, curve.y, curve.covariance, curve.axis.units, curve.axis.parameter, file.title
         deviations, each = np.sqrt(np.diag(errors)), "detected / emitted"
@@ -77,6 +78,9 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
                          f"  help: `rabiline run {options.file}` makes one; `rabiline fit {options.file} --data COUNTS.csv` fits the experiment itself")
     else:
         counts = read_counts(options.file, options.detector)
+        if counts.across:
+            raise InputError(f"{counts.path}: its counts are over {counts.parameter} and {counts.across.parameter}, and a form is fitted to one curve\n"
+                             f"  help: keep the rows of one value of `{counts.across.parameter}`, without that column; `rabiline fit` fits the experiment to all")
         _require_unit(counts)
         unit, factor = base_of(counts.unit)
         written = (counts.unit, factor) if counts.unit else None

@@ -24,7 +24,7 @@ def first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, l
                    start: Mapping[str, float]) -> list[tuple[float, list[float], Sequence[float]]]:
     """With the chi² of each, the best first: centres one after the other, each where it helps most, for the best of the form's starts; of
     fringes each centre that stands out."""
-    step, extent = float(np.median(np.diff(x))), float(np.ptp(x))
+    step, extent = float(np.median(np.diff(np.unique(x)))), float(np.ptp(x))
     trials = [[start.get(name, value) for name, value in zip(form.parameters, trial)]
               for trial in form.starts(periods_of(x, y, sigma) if form.period else np.geomspace(2 * step, extent, 10))]
     if form.period and lines == 1 and "centre" not in start:

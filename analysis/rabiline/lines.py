@@ -106,8 +106,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
              lines: int = 1, start: Mapping[str, float] | None = None, unit: str = "") -> LineFit:
     """Fits a form to y [n]; `errors` are one standard deviation of each point [n], or of all, or a covariance [n, n], or those of counts. Several `lines` have a centre
     and a contrast each, by rising centre, and share the rest. A callable f(x, a, b, ...) is fitted as it stands, from `start`. Weights are those of
-    independent points with these variances, and errors come from the whole covariance. `unit` of x, such as "Hz", is that of the numbers as they are
-    printed. Raises NoLine."""
+    independent points with these variances, and errors come from the whole covariance. `unit` is that of x, as results are told. Raises NoLine."""
     x, y, start = np.asarray(x, float), np.asarray(y, float), dict(start or {})
     covariance = errors.covariance(y, 1.0) if isinstance(errors, Poisson) else _covariance(x, y, errors)
     if not (np.isfinite(x).all() and np.isfinite(y).all() and np.isfinite(covariance).all()):
@@ -118,6 +117,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
         return replace(_likeliest(of(np.array(list(start.values())), covariance), y, errors, lambda fit, covariance: of(fit.values, covariance)), unit=unit)
     if not isinstance(form, Form) and form not in FORMS:
         raise NoLine(f"there is no form `{form}` (there is {', '.join(FORMS)})")
+    asked.whole_number("lines", lines, 1)
     chosen = form if isinstance(form, Form) else FORMS[form]
     if x.size < len(chosen.parameters) + 2 * lines + 2:
         raise NoLine(f"{x.size} points are too few for {lines} line{'s' if lines > 1 else ''} of the form {chosen.name}")
@@ -317,7 +317,7 @@ def _best(fits: Sequence[LineFit], x: np.ndarray, is_doubtful: Callable[[LineFit
     """The best of these, with the others, doubtful ones behind those as good as they; what one point makes is where this point is, within the step."""
     fits = _apart(sorted(fits, key=lambda fit: fit.badness), AS_GOOD)
     fits.sort(key=is_doubtful)  # the order is otherwise kept
-    least = np.median(np.diff(np.sort(x))) / np.ptp(x) if _between_points(fits[0], x) else 0.0
+    least = np.median(np.diff(np.unique(x))) / np.ptp(x) if _between_points(fits[0], x) else 0.0
     return replace(_widened(fits[0], 0, least / max(fits[0].errors[0], 1e-300)), others=tuple((tuple(_centres(fit).tolist()), fit.chi_squared) for fit in fits[1:]))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .counts import Counts, read_counts
+from .counts import Counts, names_of, read_counts
 from .curves import Curve
 from .errors import InputError
 from .units import parse_quantity
@@ -30,7 +30,10 @@ def read_measured(source: Path | pandas.DataFrame, curve: Curve, detector: str |
     """Counts of a table or frame, of one detector in it, over the curve's parameter: as fractions where the table tells how many particles were `emitted`, or the `seconds` and
     the experiment its rate; else by the factor that makes the squares of their differences least. Raises InputError."""
     counts = read_counts(source, detector)
-    if counts.parameter != curve.axis.parameter:
+    if counts.across:
+        raise InputError(f"{counts.path}: its counts are over {counts.parameter} and {counts.across.parameter}: of such a table the rows of one value of "
+                         f"`{counts.across.parameter}`, without that column, are drawn beside curves")
+    if names_of(counts.parameter) != names_of(curve.axis.parameter):
         raise InputError(f"{counts.path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
     if curve.axis.units and not counts.unit:
         unit = curve.axis.written[0] if curve.axis.written else curve.axis.units

@@ -47,7 +47,7 @@ def pair_of(key: str, value: object) -> tuple[float, float]:
     try:
         first, second = map(float, value)
     except (TypeError, ValueError):
-        raise TypeError(f"`{key}` is {value!r}: a text is meant, as on the command line, or a pair of numbers") from None
+        raise TypeError(f"`{key}` is {value!r}: a text is meant, as on the command line, or a pair of numbers where that has two") from None
     return first, second
 
 

@@ -37,13 +37,15 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 def limited(figure: Figure, options: argparse.Namespace) -> Figure:
     """The figure with the ranges that are asked for, on all its panels. Raises InputError for one in which nothing is drawn."""
     panels = [axes for axes in figure.axes if axes.get_label() not in ("<colorbar>", image_plots.PROJECTED)]
+    bars = {image.colorbar.ax for axes in figure.axes for image in (*axes.images, *axes.collections) if image.colorbar}
+    panels = [axes for axes in panels if axes not in bars]
     for name in "xy":
         chosen = getattr(options, f"{name}_range", None)
         drawn = [sorted(getattr(axes.dataLim, f"interval{name}")) for axes in panels]
         if chosen is None or not drawn:
             continue
         if all(high < chosen[0] or low > chosen[1] for low, high in drawn):
-            raise InputError(f"--{name}-range {chosen[0]:g}:{chosen[1]:g}: what is drawn lies from {min(low for low, _ in drawn):.6g} to "
+            raise InputError(f"--{name}-range {chosen[0]:.10g}:{chosen[1]:.10g}: what is drawn lies from {min(low for low, _ in drawn):.6g} to "
                              f"{max(high for _, high in drawn):.6g}, as the axis writes it")
         for axes in panels:
             axes.set(**{f"{name}lim": chosen})
@@ -69,6 +71,10 @@ def plot_of(opened: object, kind: str | None = None, options: dict[str, object] 
     verb = f"plot-{kind or _fitting_kind(opened)}"
     if verb not in OWN_OPTIONS:
         raise InputError(f"there is no picture `{kind}`: kind is {', '.join(one.removeprefix('plot-') for one in OWN_OPTIONS)}, or left out")
+    drawn = motions.Motions if verb == "plot-motion" else tracks.Tracks if verb == "plot-tracks" else results.Results
+    if verb == "plot-field" or not isinstance(opened, drawn):
+        raise InputError(f"there is no picture `{kind}` of this" + (": `rabiline.load(...).trace().plot()` draws paths" if kind == "tracks" else
+                         ": the command `rabiline probe` draws fields" if kind == "field" else ""))
     arguments(verb, parser)
     if verb == "plot-tally" and "name" not in options:
         there = ", ".join(getattr(opened, "tallies", {}))

@@ -30,7 +30,8 @@ class Axis:
 
     def text(self, value: float) -> str:
         """One of its values, "291.65 kHz"."""
-        return in_unit(value, *(self.written or unit_shown(value, self.units)), self._digits).strip()
+        typical = float(np.abs(self.values).max()) if self.units == "rad" else value  # 0 deg beside 90 deg
+        return in_unit(value, *(self.written or unit_shown(typical, self.units)), self._digits).strip()
 
     @property
     def _digits(self) -> int:

@@ -11,6 +11,8 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ELECTRONVOLT, MACROSCOPIC = 1.602176634e-19, 1e-12  # J; energies below the latter are in eV
 QUANTITY = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[^\W\d_]|[%°])[^\s:,;'\"\[\]{}#]*)"  # number, unit, as files have them
+OTHERS = {"G": ("T", 1e-4), "rad": ("rad", 1.0)}  # take prefixes where they are written, and are not chosen; in SI
+WITHOUT = {"cm": ("m", 0.01), "deg": ("rad", np.pi / 180), "°": ("rad", np.pi / 180)}  # a prefix
 TAKE_PREFIXES = {"Hz", "m", "s", "T", "A", "V", "W", "J", "eV", "V/m"}  # nobody reads mK, km/s or krad here
 
 
@@ -98,7 +100,7 @@ def format_value(value: float, unit: str, error: float | None = None, written: t
 def unit_shown(value: float, unit: str, error: float | None = None, written: tuple[str, float] | None = None) -> tuple[str, float]:
     """The unit in which a value in SI is told, and how much it is in SI: the one that the user wrote where that needs no row of zeros."""
     is_known = _is_known(error)
-    if written and (value == 0 or abs(value) >= 0.1 * written[1]) and not (is_known and error < 1e-6 * written[1]):
+    if written and (value == 0 or abs(value) >= 0.1 * written[1]) and not (is_known and error < 1e-8 * written[1]):
         return written
     if unit == "rad" and not is_known and _round_in_degrees(np.array([value])):
         return "deg", np.pi / 180
@@ -143,25 +145,35 @@ def parse_quantity(text: str, wanted: str | None = None) -> float:
     words = text.split()
     if not 1 <= len(words) <= 2:
         raise ValueError("it has no number and unit")
-    value, unit = float(words[0]), words[1].replace("u", "µ") if len(words) == 2 else ""
-    known = [(power, unit[len(prefix):]) for power, prefix in PREFIXES.items()
-             if unit.startswith(prefix) and unit[len(prefix):] in TAKE_PREFIXES]
+    value, unit = float(words[0]), words[1] if len(words) == 2 else ""
+    known = _in_base(unit)
     if unit and not known:
         raise ValueError(f"unknown unit {unit}")
-    if known and wanted and known[0][1] != wanted and (known[0][1], wanted) != ("eV", "J"):
+    if known and wanted and known[0] != _in_base(wanted, (wanted, 1.0))[0] and (known[0], wanted) != ("eV", "J"):
         raise ValueError(f"{unit} is not a unit of the kind of {wanted}")
-    value *= 10.0 ** known[0][0] if known else 1.0
-    value *= ELECTRONVOLT if known and known[0][1] == "eV" else 1.0
+    value *= known[1] if known else 1.0
+    value *= ELECTRONVOLT if known and known[0] == "eV" else 1.0
     if not isfinite(value):
         raise ValueError("it is not a finite number")
     return value
 
 
 def base_of(unit: str) -> tuple[str, float]:
-    """A unit without its prefix, and how much of that it is: "kHz" is 1000 "Hz". Other units stay as they are."""
-    written = unit.replace("u", "µ")
-    return next(((written[len(prefix):], 10.0**power) for power, prefix in PREFIXES.items()
-                 if written.startswith(prefix) and written[len(prefix):] in TAKE_PREFIXES), (unit, 1.0))
+    """A unit of SI, without prefix, and how much of it another one is: "kHz" is 1000 "Hz", "deg" 0.017 "rad". Others stay as they are."""
+    return _in_base(unit, (unit, 1.0))
+
+
+def _in_base(unit: str, otherwise: tuple[str, float] | None = None) -> tuple[str, float] | None:
+    """The unit of SI, or eV, and how much of it this one is."""
+    if unit in WITHOUT:
+        return WITHOUT[unit]
+    for power, prefix in PREFIXES.items():
+        for written in {prefix, prefix.replace("µ", "u")}:
+            rest = unit.removeprefix(written)
+            if unit.startswith(written) and (rest in TAKE_PREFIXES or rest in OTHERS):
+                base, factor = OTHERS.get(rest, (rest, 1.0))
+                return base, factor * 10.0**power
+    return otherwise
 
 
 def law_name(law: str) -> str:

@@ -47,3 +47,25 @@ def test_a_frame_of_counts_stands_beside_a_curve(ramsey: rabiline.Experiment) ->
 def test_a_detector_beside_the_beam_is_drawn(ramsey: rabiline.Experiment) -> None:
     beside = draw_apparatus(ramsey.set({"screen.offset": {"x": "40 mm"}}).scan(), 2)
     assert beside.axes[-1].get_ylim()[1] > 40 and beside.axes[-2].get_ylim()[1] < 20  # mm, from above and from the side
+
+
+def test_counts_over_two_parameters_are_not_drawn_beside_one_curve(ramsey: rabiline.Experiment) -> None:
+    pandas = pytest.importorskip("pandas")
+    measured = pandas.DataFrame({"first.frequency [kHz]": [286.0, 290.0, 295.0] * 2, "second.phase [deg]": [0, 0, 0, 90, 90, 90], "counts": [500, 400, 450] * 2})
+    with pytest.raises(rabiline.InputError, match="the rows of one value of `second.phase`"):
+        ramsey.set(particles=20).run().plot(kind="scan", data=measured, detector="screen")
+
+
+def test_ranges_of_an_image_leave_its_colour_bar_alone(ramsey: rabiline.Experiment) -> None:
+    result = ramsey.set(particles=20).run()
+    whole, part = (result.plot(kind="image", **ranges) for ranges in ({}, {"x_range": "-0.5:0.5", "y_range": "-0.3:0.3"}))
+    bars = [[(axes.get_xlim(), axes.get_ylim()) for axes in figure.axes if axes.get_xlabel().startswith("counts per")] for figure in (whole, part)]
+    assert bars[0] and bars[0] == bars[1]
+    assert part.axes[0].get_xlim() == (-0.5, 0.5)
+
+
+def test_a_result_of_a_beam_has_no_picture_of_paths_motions_or_fields(ramsey: rabiline.Experiment) -> None:
+    result = ramsey.set(particles=20).run()
+    for kind in ("tracks", "motion", "field"):
+        with pytest.raises(rabiline.InputError, match=f"no picture `{kind}` of this"):
+            result.plot(kind=kind)

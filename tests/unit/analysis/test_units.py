@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rabiline.units import fitting_scale, format_value, law_name, parse_quantity
+from rabiline.units import base_of, fitting_scale, format_value, law_name, parse_quantity
 
 
 @pytest.mark.parametrize(("value", "unit", "error", "text"), [
@@ -70,3 +70,15 @@ def test_a_hypothesis_is_named_one() -> None:
     assert law_name("dorado (torque, kappa = 1)") == "dorado (hypothesis), torque, κ = 1"
     assert law_name("dorado") == "dorado (hypothesis)"
     assert law_name("quantum") == "quantum"
+
+
+def test_units_of_tables_and_options_are_those_of_files() -> None:
+    for text, unit, value in (("2126 G", "T", 0.2126), ("3 mG", "T", 3e-7), ("180 deg", "rad", np.pi), ("5 mrad", "rad", 5e-3), ("2 cm", "m", 0.02), ("90 deg", "deg", np.pi / 2)):
+        assert parse_quantity(text, unit) == pytest.approx(value, rel=1e-12)
+    with pytest.raises(ValueError, match="deg is not a unit of the kind of T"):
+        parse_quantity("1 deg", "T")
+    assert base_of("kG") == ("T", pytest.approx(0.1)) and base_of("deg")[0] == "rad" and base_of("K") == ("K", 1.0)
+
+
+def test_a_value_keeps_the_unit_that_was_written_to_eight_decimals() -> None:
+    assert format_value(1e-3, "T", 1.37e-10, ("mT", 1e-3)) == "1.00000000 ± 0.00000014 mT"

@@ -66,3 +66,10 @@ def test_the_width_and_the_contrast_of_a_faint_line_are_as_well_known_as_they_sa
         if abs(found["centre"][0] - 7) < 60:  # no dip that chance has made
             pulls.append([(np.log(found["width"][0] / 40)) * found["width"][0] / found["width"][1], (found["contrast"][0] + 7.2) / found["contrast"][1]])
     assert len(pulls) > 18 and (np.sqrt(np.mean(np.square(pulls), axis=0)) < 1.2).all() and np.abs(pulls).max() < 3.5
+
+
+@pytest.mark.parametrize("form", ["gauss", "rabi", "ramsey"])
+def test_places_that_were_measured_twice_make_no_step_of_zero(form: str) -> None:
+    x = np.repeat(np.linspace(-4, 4, 21), 2)
+    found = fit_line(x, *measured(0.2 + 0.5 * np.exp(-x**2), 3), form)
+    assert abs(found["centre"][0]) < 1
