@@ -8,6 +8,7 @@ import numpy as np
 
 from .counts_problem import Fisher
 
+MOST_POWER = 4.0  # of one parameter by which another makes up for it; more is one of them alone
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
 
 
@@ -56,9 +57,11 @@ def _combination(direction: Direction, values: np.ndarray, covariance: np.ndarra
         return []
     first, second = direction.involved
     power = -direction.parts[first] / direction.parts[second]
-    power = -1.0 if abs(power + 1) <= SLIGHT else power
+    if not 1 / MOST_POWER <= abs(power) <= MOST_POWER:
+        return []
+    power = next((whole for whole in (-1.0, 1.0) if abs(power - whole) <= SLIGHT), power)
     names = direction.names[first], direction.names[second]
-    name = " / ".join(names) if power == -1 else f"{names[0]} × {names[1]}^{power:.2f}"
+    name = {-1.0: " / ", 1.0: " × "}[power].join(names) if abs(power) == 1 else f"{names[0]} × {names[1]}^{power:.2f}"
     logarithm = np.zeros(values.size)
     logarithm[first], logarithm[second] = 1 / values[first], power / values[second]
     value = float(values[first] * values[second]**power)
