@@ -315,8 +315,7 @@ class LevelFlight {
           if (matrix != nullptr) matrix_of(section, then, followed_there, *matrix);
           return followed_there;
         };
-        const mask good =
-            turn_phases(f_, tolerance, at, s, leap, here.signed_size, axes, before, turned, there, error);
+        const mask good = turn_phases(f_, tolerance, at, s, leap, here, axes, before, turned, there, error);
         const real allowed = tolerance * (0.25 * (leap / stay) + 1e-2);
         const mask accepted = skips & good & (error <= allowed);
         choose(f_.levels, accepted, turned, a);

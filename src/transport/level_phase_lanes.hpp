@@ -7,12 +7,44 @@ namespace rabiline::RABILINE_ISA {
 /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
 inline constexpr double calm_share = 0.01;
 
+/// By how much the rates at which a field turns change over a step of the length h, from point to point.
+class TurningRates {
+ public:
+  TurningRates(const FollowedField& begin, real h) : h_(h), last_{begin.turn_1, begin.turn_2} {}
+  /// What the dressed states leave out there, in units of the gap: the product of the rate and of its first
+  /// derivative, and the second, which is large where the rate is not.
+  real left_out(const FollowedField& f, double share, real gap) {
+    const double apart = share - share_, between = 0.5 * (apart + apart_);
+    const real now[2] = {f.turn_1, f.turn_2}, over = 1.0 / gap, per = over / (apart * h_),
+               bent = over / (between * h_), stretching = f.size_rate / max(f.size, broadcast(tiny));
+    real rate2 = stretching * stretching, slope2 = broadcast(0), bend2 = broadcast(0);
+    for (int k = 0; k < 2; ++k) {
+      const real slope = (now[k] - last_[k]) * per, bend = (slope - slope_[k]) * bent;
+      rate2 = fma(now[k], now[k], rate2);
+      slope2 = fma(slope, slope, slope2);
+      bend2 = fma(bend, bend, bend2);
+      last_[k] = now[k];
+      slope_[k] = slope;
+    }
+    const bool is_first = share_ == 0;
+    share_ = share;
+    apart_ = apart;
+    const real product = 3.0 * sqrt(rate2 * slope2) * (over * over), third = sqrt(bend2) * over,
+               swift = sqrt(rate2) * h_;
+    return select(swift < broadcast(1.5), is_first ? product : max(product, third), broadcast(1));
+  }
+
+ private:
+  real h_, last_[2], slope_[2]{};
+  double share_ = 0, apart_ = 0;
+};
+
 /// Phases over a long step, by Kronrod's seven points; the error is that of QUADPACK, by what Gauss' three
 /// differ: 200^(3/2) times its power 3/2, over the root of the variation.
 /// at(s, &h) is the field at the time s, in a frame that begins with the axes, and H there.
 template <class At>
 [[gnu::noinline]] inline mask turn_phases(const LevelManifold& manifold, double tolerance, const At& at,
-                                          real s, real h, real size, const LevelAxes& axes,
+                                          real s, real h, const FollowedField& here, const LevelAxes& axes,
                                           const Amplitudes& before, Amplitudes& turned, LevelAxes& there,
                                           real& error) {
   constexpr double place[7] = {-0.9604912687080202, -0.7745966692414834, -0.4342437493468026, 0,
@@ -24,27 +56,17 @@ template <class At>
   real angle[most_levels], off[most_levels], begun[most_levels], varies = broadcast(tiny);
   for (int k = 0; k < manifold.levels; ++k) angle[k] = off[k] = broadcast(0);
   mask good = ~mask{};
-  real last_1{}, last_2{};
+  const double left_out = 2 * calm_share * tolerance;
+  TurningRates rates(here, h);
+  real gap{};
   for (int i = 0; i < 7; ++i) {
     LevelMatrix now;
     const FollowedField f = at(s + (0.5 + 0.5 * place[i]) * h, &now);
     const Calm calm = calm_of(manifold, now);
-    const real turning2 = fma(f.turn_1, f.turn_1, f.turn_2 * f.turn_2),
-               stretching = f.size_rate / max(f.size, broadcast(tiny));
-    const real swift = sqrt(fma(stretching, stretching, turning2)),
-               changes = swift / max(calm.gap, broadcast(tiny));
-    const real ratio_1 = f.turn_1 / max(calm.gap, broadcast(tiny)),
-               ratio_2 = f.turn_2 / max(calm.gap, broadcast(tiny));
-    real moves = broadcast(0);
-    if (i > 0) {
-      const real dt = (0.5 * (place[i] - place[i - 1])) * h, d1 = ratio_1 - last_1, d2 = ratio_2 - last_2;
-      moves = sqrt(fma(d1, d1, d2 * d2)) / (dt * max(calm.gap, broadcast(tiny)));
-    }
-    last_1 = ratio_1;
-    last_2 = ratio_2;
-    good = good & (f.cosine > broadcast(0.5)) & (f.signed_size * size > broadcast(0)) &
-           (swift * h < broadcast(1.5)) &
-           (max(calm.left_out(broadcast(0)), 3.0 * moves * changes) < broadcast(2 * calm_share * tolerance));
+    gap = max(calm.gap, broadcast(tiny));
+    good = good & (f.cosine > broadcast(0.5)) & (f.signed_size * here.signed_size > broadcast(0)) &
+           (calm.left_out(broadcast(0)) < broadcast(left_out)) &
+           (rates.left_out(f, 0.5 + 0.5 * place[i], gap) < broadcast(left_out));
     real energy[most_levels];
     shifted_energies(manifold, now, energy);
     for (int k = 0; k < manifold.levels; ++k) {
@@ -56,7 +78,7 @@ template <class At>
     }
   }
   const FollowedField end = at(s + h, nullptr);
-  good = good & (end.cosine > broadcast(0.5));
+  good = good & (end.cosine > broadcast(0.5)) & (rates.left_out(end, 1, gap) < broadcast(left_out));
   there = moved_to(end.n, axes);
   // What is common to all levels that are there does not matter.
   real mean = broadcast(0), square = broadcast(0);

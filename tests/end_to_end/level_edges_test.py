@@ -267,3 +267,17 @@ def test_where_a_tilted_field_begins_and_ends_an_atom_turns_as_a_point_spin(tmp_
     found = levels(tmp_path, parts, "F=1/2 m=1/2", 0.39, atom, 400, offset="2 mm")
     as_point = levels(tmp_path, parts, "{kind: populations, axis: z, values: [1, 0]}", 0.39, point, 400, offset="2 mm")
     assert 0.05 < found[0] < 0.95 and np.abs(found - as_point).max() < 2e-5
+
+
+@pytest.mark.parametrize(("species", "speed", "start", "formula", "step", "guide"), [
+    ("{I: 2, J: 3/2, coupling: 4.6961 MHz, g_J: 2.002, g_I: -0.001}", 11711.45, "F=7/2 m=3/2",
+     "7.00856e-05*sin(pi*y/0.1)^2*cos(80*y)", "0.3 mm", "field: 0.013252 mT, direction: [0.3, 0, 1]"),
+    ("{I: 3/2, J: 1/2, coupling: 4.4194 MHz, g_J: 2.002, g_I: -0.001}", 1155.8, "F=2 m=2", "0.000265453*sin(pi*y/0.1)^4", "0.25 mm", "field: 0.017405 mT")], ids=["F that nearly keep to themselves", "phases alone"])
+def test_what_levels_leave_out_along_a_field_of_sines_is_within_the_tolerance(tmp_path: Path, species: str, speed: float, start: str, formula: str, step: str,
+                                                                              guide: str) -> None:
+    """As an independent integration of the whole Hamiltonian finds."""
+    parts = [f'name: M, kind: formula_field, at: 0.05 m, formula: {{Bx: "{formula}", width: 1 cm, height: 1 cm, length: 0.1 m, step: {step}}}',
+             f"name: B, kind: uniform_field, at: 0 m, length: 0.35 m, {guide}"]
+    levels(tmp_path, parts, start, 0.3, f"{{name: Y, mass: 4 u, charge: 0 e, structure: {species}}}", speed)
+    with h5py.File(tmp_path / "levels.h5") as file:
+        assert file["entry/field_check/levels"][()] < 2e-7
