@@ -7,7 +7,7 @@ import sys
 import warnings
 from dataclasses import dataclass, field, replace
 from inspect import signature
-from math import isclose, pi
+from math import isclose
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Callable, Iterable, Mapping, Sequence, Union
@@ -114,13 +114,13 @@ class Experiment:
 
     def written_unit(self, name: str) -> tuple[str, float] | None:
         """The unit in which the number called `name` is written, in the latest change of it or in the file, and how much that is in SI. None
-        where it is not found in a unit that is read with SI prefixes, such as mT, or in degrees."""
+        where it is not found in a unit that tables are read in."""
         from .units import QUANTITY, base_of
         value, unit = self._setup.value(name) or (0.0, "")
         changed = [change.partition("=")[2] for change in self.changes if change.startswith(f"{name}=")]
         place, text = ("", changed[-1]) if changed else (_place(name), self.origin.text)
         for number, written in re.findall(place + QUANTITY, text, re.DOTALL | re.MULTILINE):
-            base, factor = ("rad", pi / 180) if written == "deg" else base_of(written)
+            base, factor = base_of(written)
             if base == unit and unit and isclose(float(number) * factor, value, rel_tol=1e-9):
                 return written.replace("u", "µ", 1) if written[0] == "u" else written, factor
         return None

@@ -236,7 +236,7 @@ def _levels(detector: results.Detector, names: str | None) -> list[int] | None:
     missing = [name for name in asked if bare(name) not in known]
     if missing:
         there = ", ".join(style.level(label).replace("−", "-") for label in detector.levels.labels)
-        raise InputError(f"--levels: no level `{missing[0]}`: there is {there}, to be written as in --levels '{there.partition(', ')[0]}'")
+        raise InputError(f"--levels: no level `{missing[0]}`: there is {there}")
     return [known[bare(name)] for name in asked]
 
 

@@ -228,7 +228,7 @@ double far_apart(const Species& species, const LevelFields& fields, double speed
   const double root = std::sqrt(fields.tolerance), amplitude = root * 2 * std::numbers::pi * scale_of(spins);
   // A field that is there at once leaves each level with b (zeeman_j - zeeman_i)/2 over what F are apart of
   // the other F.
-  return std::max({5 * passing / amplitude, 10 * driving / amplitude,
+  return std::max({2.5 * passing / amplitude, 10 * driving / amplitude,
                    switching * std::abs(spins.zeeman_j - spins.zeeman_i) / root, 2 * frequency});
 }
 

@@ -31,7 +31,7 @@ class TurningRates {
     apart_ = apart;
     const real product = 3.0 * sqrt(rate2 * slope2) * (over * over), third = sqrt(bend2) * over,
                swift = sqrt(rate2) * h_;
-    return select(swift < broadcast(1.5), is_first ? product : max(product, third), broadcast(1));
+    return select(swift < broadcast(1.5), is_first ? product : max(product, 0.2 * third), broadcast(1));
   }
 
  private:

@@ -97,6 +97,7 @@ TEST(Warnings, TellThatHalfOfAFieldOfZeroHertzIsLeftOut) {
   Beamline b = standard();
   OscillatingField field;
   field.length = 0.2;
+  field.frequency = 0;
   field.amplitude = 1e-6;
   field.direction = {1, 0, 0};
   for (const auto& [approximation, count] :
