@@ -12,7 +12,7 @@ from . import style
 from .covariance import freedom_in_words, p_in_words
 from .fit_report import is_undetermined, verdict_of, why_unknown
 from .style import INK, LAWS, OTHERS, PALE
-from .units import fitting_scale
+from .units import fitting_scale, is_logarithmic
 
 if TYPE_CHECKING:
     from .fitting import CountsFit
@@ -43,6 +43,8 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     below.axhspan(-1, 1, color=PALE)
     for own, label, colour in _rows(fit, order):
         below.plot(x[own], residuals[own], "o", color=colour if label else INK, markersize=3)
+    if is_logarithmic(np.unique(fit.counts.x)):
+        style.logarithmic(below.xaxis)
     style.write_deviations(below, "residual", np.abs(residuals).max())
     style.name_below(below, scale.label(fit.counts.parameter))
     style.write_title(figure, title or fit.title)

@@ -83,7 +83,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
                              f"  help: keep the rows of one value of `{counts.across.parameter}`, without that column; `rabiline fit` fits the experiment to all")
         _require_unit(counts)
         unit, factor = base_of(counts.unit)
-        written = (counts.unit, factor) if counts.unit else None
+        written = (re.sub("^u", "µ", counts.unit), factor) if counts.unit else None
         x, name, title = factor * counts.x, counts.parameter, options.file.name
         exposure, each = _exposure(counts)
         y, errors = counts.counts / exposure, Poisson(exposure)

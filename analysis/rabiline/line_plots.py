@@ -12,7 +12,7 @@ from . import style
 from .fit_plots import MODEL
 from .lines import LineFit
 from .style import INK
-from .units import fitting_scale
+from .units import fitting_scale, is_logarithmic
 
 PLACES = 1000  # of the form, at least
 
@@ -23,10 +23,13 @@ def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit,
     scale = fitting_scale(x, unit)
     order = np.argsort(x)
     at = np.asarray(scale.apply(x[order]))
-    fine = np.union1d(np.linspace(x.min(), x.max(), PLACES), x)
+    in_ratios = is_logarithmic(np.unique(x))
+    fine = np.union1d((np.geomspace if in_ratios else np.linspace)(x.min(), x.max(), PLACES), x)
     figure, axes = plt.subplots(figsize=style.size(7.2, 4.5 + 0.06 * len(words)), layout="constrained")
     axes.errorbar(at, y[order], errors[order], fmt="o", color=INK, markersize=3, elinewidth=0.8, linestyle="none")
     axes.plot(scale.apply(fine), fitted.curve(fine), color=MODEL, linewidth=1.3)
+    if in_ratios:
+        style.logarithmic(axes.xaxis)
     style.name_below(axes, scale.label(name))
     axes.set_ylabel(label)
     axes.grid(axis="y")

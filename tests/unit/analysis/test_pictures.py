@@ -11,11 +11,14 @@ import pytest
 from matplotlib.figure import Figure
 from rabiline import results, style
 from rabiline.__main__ import main
+from rabiline.counts import read_counts
 from rabiline.curves import curves, half_maxima
 from rabiline.errors import InputError
 from rabiline.fit import fit
 from rabiline.level_plots import draw_levels
 from rabiline.forms import rabi
+from rabiline.line_plots import draw_line
+from rabiline.lines import fit_line
 from rabiline.pictures import plot_of
 from rabiline.profile_plots import draw_profiles, profile_of
 from rabiline.scan_plots import Panel, about_errors, draw_beside, draw_scan
@@ -303,3 +306,15 @@ def test_names_of_marks_that_are_near_stand_in_rows(tmp_path: Path) -> None:
     boxes = [text.get_window_extent() for text in names.values()]
     assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
     assert names["far"].xyann == names["Larmor"].xyann
+
+
+def test_counts_at_places_in_equal_ratios_are_drawn_on_a_logarithmic_axis_with_their_form(tmp_path: Path) -> None:
+    table = tmp_path / "counts.csv"
+    x = np.geomspace(1, 1000, 25)
+    table.write_text("C.amplitude [uT],counts\n" + "\n".join(f"{at:.10g},{1000 + round(4000 / (1 + (at - 30)**2 / 100))}" for at in x))
+    counts = read_counts(table)
+    fitted = fit_line(1e-6 * counts.x, counts.counts, np.sqrt(counts.counts), "lorentz", unit="T")
+    axes = draw_line(1e-6 * counts.x, counts.counts, np.sqrt(counts.counts), fitted, counts.parameter, "T", "", [], "counts").axes[0]
+    assert axes.get_xscale() == "log" and axes.get_xlabel() == "C.amplitude (mT)"
+    fine = axes.lines[-1].get_xdata()
+    assert np.count_nonzero(fine < 0.03) > 300
