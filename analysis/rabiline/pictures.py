@@ -36,9 +36,8 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 
 def limited(figure: Figure, options: argparse.Namespace) -> Figure:
     """The figure with the ranges that are asked for, on all its panels. Raises InputError for one in which nothing is drawn."""
-    panels = [axes for axes in figure.axes if axes.get_label() not in ("<colorbar>", image_plots.PROJECTED)]
     bars = {image.colorbar.ax for axes in figure.axes for image in (*axes.images, *axes.collections) if image.colorbar}
-    panels = [axes for axes in panels if axes not in bars]
+    panels = [axes for axes in figure.axes if axes not in bars and axes.get_label() != image_plots.PROJECTED]
     for name in "xy":
         chosen = getattr(options, f"{name}_range", None)
         drawn = [sorted(getattr(axes.dataLim, f"interval{name}")) for axes in panels]

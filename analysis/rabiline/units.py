@@ -11,8 +11,9 @@ PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G",
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ELECTRONVOLT, MACROSCOPIC = 1.602176634e-19, 1e-12  # J; energies below the latter are in eV
 QUANTITY = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[^\W\d_]|[%°])[^\s:,;'\"\[\]{}#]*)"  # number, unit, as files have them
-OTHERS = {"G": ("T", 1e-4), "rad": ("rad", 1.0)}  # take prefixes where they are written, and are not chosen; in SI
-WITHOUT = {"cm": ("m", 0.01), "deg": ("rad", np.pi / 180), "°": ("rad", np.pi / 180)}  # a prefix
+# What else may be written, and how much it is in SI: units that take prefixes, and those that do not.
+OTHERS = {"G": ("T", 1e-4), "rad": ("rad", 1.0)}
+WITHOUT = {"cm": ("m", 0.01), "deg": ("rad", np.pi / 180), "°": ("rad", np.pi / 180)}
 TAKE_PREFIXES = {"Hz", "m", "s", "T", "A", "V", "W", "J", "eV", "V/m"}  # nobody reads mK, km/s or krad here
 
 

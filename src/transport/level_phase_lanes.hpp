@@ -12,7 +12,8 @@ class TurningRates {
  public:
   TurningRates(const FollowedField& begin, real h) : h_(h), last_{begin.turn_1, begin.turn_2} {}
   /// What the dressed states leave out there, in units of the gap: the product of the rate and of its first
-  /// derivative, and the second, which is large where the rate is not.
+  /// derivative, and the second, which is large where the rate is not. The factors are on the safe side of
+  /// what random fields were found to need.
   real left_out(const FollowedField& f, double share, real gap) {
     const double apart = share - share_, between = 0.5 * (apart + apart_);
     const real now[2] = {f.turn_1, f.turn_2}, over = 1.0 / gap, per = over / (apart * h_),
