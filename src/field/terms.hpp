@@ -112,6 +112,7 @@ struct RotatingTerm {
   Envelope envelope;
   Gate gate{};
   Slopes slopes{};
+  int part = -1;  // of the beamline, whose field it is
   bool operator==(const RotatingTerm&) const = default;
 };
 

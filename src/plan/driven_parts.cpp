@@ -53,15 +53,6 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
   }
 }
 
-/// The field that drives levels there.
-std::string name_of(const LevelZone& zone, const Beamline& beamline) {
-  if (zone.part >= 0) return beamline.parts[static_cast<std::size_t>(zone.part)].placement.name;
-  for (const PlacedPart& part : beamline.parts)
-    if (traits_of(part.part).drives && part.placement.at <= zone.begin && zone.begin < end_of(part))
-      return part.placement.name;
-  return fmt::format("the field at {:.4g} m", zone.begin);
-}
-
 }  // namespace
 
 DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
@@ -98,7 +89,16 @@ const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Be
     std::ranges::copy_if(tabled.zones, std::back_inserter(made.zones),
                          [](const LevelZone& zone) { return zone.drive.has_value(); });
   }
-  for (const LevelZone& zone : made.zones) made.names.push_back(name_of(zone, beamline));
+  for (const LevelZone& zone : made.zones) {
+    double begin = zone.begin, end = zone.end;
+    for (const LevelZone& other : made.zones) {
+      if (other.part != zone.part) continue;
+      begin = std::min(begin, other.begin);
+      end = std::max(end, other.end);
+    }
+    made.names.push_back(beamline.parts[static_cast<std::size_t>(zone.part)].placement.name);
+    made.lengths.push_back(end - begin);
+  }
   return &made;
 }
 
@@ -129,13 +129,14 @@ double DrivenParts::speed_at(std::size_t point, int component) {
 }
 
 /// The zone of one point that is that of another one: a drive may have no amplitude at some.
-const LevelZone* DrivenParts::zone_called(const Driven& at, const Driven& most, std::size_t number) {
+std::optional<std::size_t> DrivenParts::zone_called(const Driven& at, const Driven& most,
+                                                    std::size_t number) {
   const std::string& name = most.names[number];
   auto before =
       std::count(most.names.begin(), most.names.begin() + static_cast<std::ptrdiff_t>(number), name);
   for (std::size_t i = 0; i < at.names.size(); ++i)
-    if (at.names[i] == name && before-- == 0) return &at.zones[i];
-  return nullptr;
+    if (at.names[i] == name && before-- == 0) return i;
+  return std::nullopt;
 }
 
 void DrivenParts::add_zone(const Driven& most, std::size_t number, const std::vector<const Driven*>& at,
@@ -143,12 +144,12 @@ void DrivenParts::add_zone(const Driven& most, std::size_t number, const std::ve
   const std::size_t last = at.size() - 1;
   const LevelZone* before = nullptr;
   for (const std::size_t point : std::set<std::size_t>{0, last / 2, last}) {
-    const LevelZone* same = at[point] == nullptr ? nullptr : zone_called(*at[point], most, number);
-    if (same == nullptr || (before && *before == *same)) continue;
-    const LevelZone& zone = *same;
+    const std::optional<std::size_t> same = at[point] ? zone_called(*at[point], most, number) : std::nullopt;
+    if (!same || (before && *before == at[point]->zones[*same])) continue;
+    const LevelZone& zone = at[point]->zones[*same];
     const bool first = before == nullptr;
-    before = same;
-    const double width = width_of(zone, speed);
+    before = &zone;
+    const double width = width_of(zone, at[point]->lengths[*same], speed);
     out.push_back(fmt::format("at B = {}{}{}: {}, width {} {}", tesla(zone.field),
                               at[point]->on_way ? ", where a line is nearest" : "",
                               last == 0 ? "" : fmt::format(", scan point {}", point + 1),

@@ -1,6 +1,7 @@
 #pragma once
 // What drives the levels of atoms before the parts that ask for them, at each scan point.
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@ class DrivenParts {
     Structure structure{};
     std::vector<LevelZone> zones{};
     std::vector<std::string> names{};  // [zone] of the fields that drive there
+    std::vector<double> lengths{};     // [m] [zone] of all of its field
     double neglected = 0, largest_slowness = 0;
     bool on_way = false;
   };
@@ -38,7 +40,7 @@ class DrivenParts {
   const Driven* driven_of(const SpinPath&, const Beamline&, const Species& atom);
   void collect(int component, const std::vector<PlanNode>&);
   void collect(int component, const Stage&, const std::vector<int>& points);
-  static const LevelZone* zone_called(const Driven& at, const Driven& most, std::size_t number);
+  static std::optional<std::size_t> zone_called(const Driven& at, const Driven& most, std::size_t number);
   void add_zone(const Driven& most, std::size_t number, const std::vector<const Driven*>& at, double speed,
                 std::vector<std::string>& out) const;
   const Beamline& beamline_at(int point);

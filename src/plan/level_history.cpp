@@ -19,6 +19,7 @@ LevelZone zone_of(const Section& section) {
     if (term.amplitude == 0) continue;
     assert(!zone.drive && has_standing_frame(term));
     zone.drive = term;
+    zone.part = term.part;
   }
   return zone;
 }

@@ -48,8 +48,8 @@ Eigen::VectorXd shifts_of(const Structure& structure, const LevelZone& zone) {
 
 bool is_pulsed(const LevelZone& zone) { return zone.drive->gate != Gate{}; }
 
-double width_of(const LevelZone& zone, double speed) {
-  const double passing = speed / (zone.end - zone.begin);
+double width_of(const LevelZone& zone, double length, double speed) {
+  const double passing = speed / length;
   const Gate& gate = zone.drive->gate;
   return is_pulsed(zone) ? std::max(passing, 1 / (gate.end - gate.begin)) : passing;
 }

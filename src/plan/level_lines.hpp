@@ -25,8 +25,8 @@ Eigen::VectorXd shifts_of(const Structure&, const LevelZone&);
 std::string left_out(double neglected);
 
 bool is_pulsed(const LevelZone&);
-/// [Hz] 1 over the time for which it drives at a stretch, at a speed [m/s].
-double width_of(const LevelZone&, double speed);
+/// [Hz] 1 over the time for which its field, of that length [m], drives at a stretch, at a speed [m/s].
+double width_of(const LevelZone&, double length, double speed);
 
 /// A frequency in hertz, of a line with the digits that it has.
 std::string megahertz(double);

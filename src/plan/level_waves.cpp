@@ -198,6 +198,7 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
       const DriveTerm& drive = drives[static_cast<std::size_t>(number)];
       const auto swings = [&](const ShapedTerm& term) { return term.drive == number; };
       LevelZone best{zone.begin, zone.end};
+      best.part = drive.part;
       if (const auto own = std::ranges::find_if(shaped, swings); own != shaped.end()) best.part = own->part;
       double nearest = std::numeric_limits<double>::infinity();
       for (int i = 0; i < (shaped.empty() ? 1 : places_of_frame); ++i) {

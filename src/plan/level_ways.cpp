@@ -92,7 +92,9 @@ std::vector<Offset> flown_at(const Source& source, double y) {
 
 /// What a particle passes at one place; of a static field in the middle of the beam.
 struct Passing {
-  double rate = 0, courses = 0;               // [T/s] of the static field, and of what goes through a course
+  Vector3 rate;                               // [T/s] of the static field
+  double size = 0;                            // [T] likewise
+  double courses = 0;                         // [T/s] of what goes through a course
   double peak = 0, growth = 0, swinging = 0;  // [T] of what moves, [T/s] along the way and in time
 };
 Passing passing_at(const LevelFields& fields, const CourseSection& section, double y, double speed,
@@ -126,9 +128,63 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
     out.growth += growth;
     out.swinging += size * section.field.drive[term.drive].omega;
   }
-  out.rate += growth_of(still);
+  out.size =
+      portable::hypot(still.field[0], still.field[1], still.field[2]) + std::abs(section.field.spin_rate);
+  out.rate = speed * Vector3{still.slope[1], still.slope[4], still.slope[7]};
   return out;
 }
+
+/// How little dB/dt changes evenly along the way.
+class Roughness {
+ public:
+  /// A section with what the beam passes, from its begin to its end in steps of `time` [s]; `touches`: the
+  /// one before.
+  void pass(const std::vector<Passing>& places, double time, bool touches) {
+    if (!touches) jump_to({});
+    jump_to(places.front().rate);
+    for (std::size_t i = 1; i < places.size(); ++i)
+      changes_ += length_of(places[i].rate - places[i - 1].rate);
+    for (const Passing& here : places) largest_ = std::max(largest_, here.size);
+    last_ = places.back().rate;
+    const double fine = bends_of(places, 1) / time, coarse = bends_of(places, 2) / (2 * time);
+    is_smooth_ = is_smooth_ && fine < 1.5 * coarse;
+    bends_ += fine;
+  }
+  void stop() { jump_to({}); }
+  /// [Hz] How far F are apart that exchange no more than an amplitude, with an element [Hz/T] between them:
+  /// the integral of dB/dt exp(i w t) is, by parts, at most what dB/dt changes by over w; or what it jumps
+  /// by, and what its slope changes by over w^2, while w is far above what the field splits F by.
+  double apart(double element, double amplitude) const {
+    const double share = element / (2 * std::numbers::pi * amplitude),
+                 cube = share * bends_ / (2 * std::numbers::pi),
+                 of_changes = std::sqrt(share * (jumps_ + changes_));
+    if (!is_smooth_ || cube == 0) return of_changes;
+    const double of_bends = std::sqrt(share * jumps_) + portable::pow(cube, 1.0 / 3);
+    return std::min(of_changes, std::max(of_bends, strong_ * element * largest_));
+  }
+
+ private:
+  void jump_to(const Vector3& rate) {
+    jumps_ += length_of(rate - last_);
+    last_ = rate;
+  }
+  /// By how much differences change in all, from none to none, over so many steps.
+  static double bends_of(const std::vector<Passing>& places, std::size_t stride) {
+    Vector3 before;
+    double sum = 0;
+    for (std::size_t i = stride; i < places.size(); i += stride) {
+      const Vector3 slope = places[i].rate - places[i - stride].rate;
+      sum += length_of(slope - before);
+      before = slope;
+    }
+    return sum + length_of(before);
+  }
+
+  static constexpr double strong_ = 10;
+  double jumps_ = 0, changes_ = 0, bends_ = 0, largest_ = 0;  // [T/s], [T/s], [T/s^2], [T]
+  bool is_smooth_ = true;
+  Vector3 last_;
+};
 
 /// [T] On the axis, of what stands still.
 Vector3 still_field(const Section& section, double y) {
@@ -197,7 +253,9 @@ bool is_felt(const std::vector<Section>& sections, double place, double side, co
 double far_apart(const Species& species, const LevelFields& fields, double speed, double turned,
                  const Source& source) {
   constexpr int places = 256;
-  double passing = 0, driving = 0, switching = turned, frequency = 0;  // [T/s], [T/s], [T], [Hz]
+  double courses = 0, driving = 0, switching = turned, frequency = 0;  // [T/s], [T/s], [T], [Hz]
+  Roughness roughness;
+  double end_before = -1;
   for (const CourseSection& section : fields.sections) {
     double drives = 0, jumps = 0, swings = 0, leaps = 0;
     for (int i = 0; i < section.field.drives; ++i) {
@@ -206,30 +264,35 @@ double far_apart(const Species& species, const LevelFields& fields, double speed
       drives += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
       frequency = std::max(frequency, angular_frequency(drive, speed) / (2 * std::numbers::pi));
     }
-    const double step = (section.field.end - section.field.begin) / places;
+    const double begin = section.field.begin + section.hair(), end = section.field.end - section.hair(),
+                 step = (end - begin) / places;
+    std::vector<Passing> passed;
     Passing last;
     for (int place = 0; place <= places; ++place) {
-      const Passing here =
-          place < places
-              ? passing_at(fields, section, section.field.begin + (place + 0.5) * step, speed, source)
-              : Passing{};
-      passing = std::max(passing, here.rate + here.courses);
+      const Passing here = passing_at(fields, section, begin + place * step, speed, source);
+      passed.push_back(here);
+      courses = std::max(courses, here.courses);
       swings = std::max(swings, here.swinging + here.growth);
       // More than it grows by, at its ends or the faces of a map.
       leaps = std::max(leaps,
                        std::abs(here.peak - last.peak) - step / speed * std::max(here.growth, last.growth));
       last = here;
     }
+    leaps = std::max(leaps, last.peak - step / speed * last.growth);
     driving = std::max(driving, drives + swings);
     switching = std::max(switching, jumps + leaps);
+    roughness.pass(passed, step / speed, section.field.begin < end_before + no_length);
+    end_before = section.field.end;
   }
+  roughness.stop();
   // What drives does so for long.
   const CoupledSpins spins = coupled_spins(*species.structure);
-  const double root = std::sqrt(fields.tolerance), amplitude = root * 2 * std::numbers::pi * scale_of(spins);
-  // A field that is there at once leaves each level with b (zeeman_j - zeeman_i)/2 over what F are apart of
-  // the other F.
-  return std::max({2.5 * passing / amplitude, 10 * driving / amplitude,
-                   switching * std::abs(spins.zeeman_j - spins.zeeman_i) / root, 2 * frequency});
+  // <F'|J|F> is at most the smaller of I and J, near enough.
+  const double moment = std::abs(spins.zeeman_j - spins.zeeman_i) * std::min(spins.twice_i, spins.twice_j),
+               root = std::sqrt(fields.tolerance), share = moment / (2 * std::numbers::pi * root);
+  // A field that is there at once leaves each level with b moment/2 over what F are apart of the other F.
+  return std::max({roughness.apart(moment / 2, 0.4 * root), std::sqrt(2.5 * courses * share),
+                   std::sqrt(10 * driving * share), switching * moment / root, 2 * frequency});
 }
 
 }  // namespace

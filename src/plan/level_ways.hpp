@@ -16,8 +16,8 @@ bool needs_way(const Section&);
 bool needs_way(const std::vector<Section>&, double from, double to);
 
 /// The fields between two places as the levels of an atom see them; only where needs_way(). F whose
-/// zero-field energies are more than `apart` from each other exchange nothing: the amplitudes that they would
-/// exchange are about |dB/dt|/(scale_of() 2 pi distance), at most two fifths of the root of the tolerance
+/// zero-field energies are more than `apart` [Hz] from each other exchange nothing: the amplitudes that they
+/// would exchange are about moment |dB/dt|/(2 pi apart^2), at most two fifths of the root of the tolerance
 /// where the field changes along the beam, and a tenth where something drives. `behind` [T]: of a field along
 /// +z that begins where they are asked for.
 LevelFields level_fields(const Beamline&, const Species&, const std::vector<Section>&, double from, double to,

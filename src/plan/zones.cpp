@@ -142,6 +142,7 @@ DriveTerm ZoneMaker::drive_of(const RotatingTerm& term, const Vector3& axis, dou
   drive.envelope = term.envelope;
   drive.gate = term.gate;
   drive.slopes = term.slopes;
+  drive.part = term.part;
   double sense = term.oscillator.sense(species_.gyromagnetic_ratio);
   Vector3 first = term.first, second = term.second;
   if (term.motion == FieldMotion::swings) {

@@ -171,7 +171,7 @@ Faults line_warnings_of(const Experiment& experiment, const Plan& plan) {
       approximations.look_at(*driven);
       for (std::size_t i = 0; i < driven->zones.size(); ++i) {
         const LevelZone& zone = driven->zones[i];
-        const double width = width_of(zone, parts.speed_at(point, where.first));
+        const double width = width_of(zone, driven->lengths[i], parts.speed_at(point, where.first));
         const std::vector<Transition> all = transitions_near(driven->structure, zone);
         const Eigen::VectorXd shifts = shifts_of(driven->structure, zone);
         for (const Transition& t : all)

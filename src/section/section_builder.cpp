@@ -18,7 +18,8 @@ void SectionBuilder::oscillator(const std::string& name, Oscillator oscillator) 
   oscillator.part = part_;
   oscillators_[name] = oscillator;
 }
-void SectionBuilder::zone(double begin, double end, const RotatingTerm& term, const std::string& oscillator) {
+void SectionBuilder::zone(double begin, double end, RotatingTerm term, const std::string& oscillator) {
+  term.part = part_;
   zones_.push_back({{begin, end, part_}, {term, oscillator}});
 }
 void SectionBuilder::twisted(double begin, double end, const RotatingTerm& term) {
@@ -28,7 +29,7 @@ void SectionBuilder::twisted(double begin, double end, const RotatingTerm& term)
     field.y = begin;
     return shaped(begin, end, field);
   }
-  zones_.push_back({{begin, end, part_}, {term, {}}});
+  zone(begin, end, term, {});
 }
 void SectionBuilder::coil(double begin, double end, const CoilTerm& term) {
   coils_.push_back({{begin, end, part_}, term});

@@ -32,7 +32,7 @@ class SectionBuilder {
   /// An oscillator of this part, under the name that zones follow it by.
   void oscillator(const std::string& name, Oscillator);
   /// A zone that follows that oscillator, its own phase added; the oscillator may be declared later.
-  void zone(double begin, double end, const RotatingTerm&, const std::string& oscillator);
+  void zone(double begin, double end, RotatingTerm, const std::string& oscillator);
   /// A field that turns along the beam only.
   void twisted(double begin, double end, const RotatingTerm&);
   void coil(double begin, double end, const CoilTerm&);

@@ -21,7 +21,7 @@ struct LevelZone {
   double begin = 0, end = 0;  // [m]
   double field = 0;           // [T] against +z where negative
   std::optional<RotatingTerm> drive{};
-  int part = -1;  // whose field drives, where it differs from place to place
+  int part = -1;  // of the beamline, whose field drives
   bool operator==(const LevelZone&) const = default;
 };
 

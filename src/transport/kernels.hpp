@@ -109,6 +109,7 @@ struct DriveTerm {
   Slopes slopes{};
   bool in_xy = true;                                   // first and second are x and y
   double first[3] = {1, 0, 0}, second[3] = {0, 1, 0};  // in the laboratory
+  int part = -1;  // of the beamline, whose field it is; -1: a shaped one's
   bool operator==(const DriveTerm&) const = default;
 };
 inline constexpr int most_drives = 8;  // rotating fields that may overlap at one place

@@ -178,25 +178,26 @@ class LevelFlight {
                                      const LevelMatrix& now, Amplitudes& state, LevelAxes& axes,
                                      real& error) const {
     const LevelManifold& f = coupled(section);
+    FollowedField field[5];
+    real then[5], passing = broadcast(0);
+    mask good = ~mask{};
+    field[0] = here;
+    for (int i = 1; i < 5; ++i) {
+      then[i] = i == 4 ? s + h : fma(broadcast(0.5 + 0.5 * lobatto_point[i]), h, s);
+      field[i] = followed(path_.field_at(section, then[i]), axes);
+      good = good & (field[i].cosine > broadcast(0.5));
+      const real time = broadcast(0.5 * (lobatto_point[i] - lobatto_point[i - 1])) * h;
+      passing = max(angle_passing_zero(field[i - 1], field[i], time), passing);
+    }
+    agree_with_end(axes, h, field);
     LevelMatrix at[5];
     copy_matrix(f, now, at[0]);
-    FollowedField last = here, there;
-    real passing = broadcast(0);
-    mask good = ~mask{};
-    for (int i = 1; i < 5; ++i) {
-      const real then = i == 4 ? s + h : fma(broadcast(0.5 + 0.5 * lobatto_point[i]), h, s);
-      matrix_at(section, then, axes, at[i], there);
-      good = good & (there.cosine > broadcast(0.5));
-      passing =
-          max(angle_passing_zero(last, there, broadcast(0.5 * (lobatto_point[i] - lobatto_point[i - 1])) * h),
-              passing);
-      last = there;
-    }
+    for (int i = 1; i < 5; ++i) matrix_of(section, then[i], field[i], at[i]);
     // H of waves may stand still with couplings in it, which exponentials follow exactly.
     good = good & step_through(f, h, section.wave < 0, at, state, error);
     // Points on both sides of a zero see nothing of how the field turns there.
     error = fma(passing, broadcast(passing_share), error);
-    axes = moved_to(there.n, axes);
+    axes = moved_to(field[4].n, axes);
     return good;
   }
 

@@ -19,6 +19,7 @@ inline void copy_matrix(const LevelManifold& f, const LevelMatrix& from, LevelMa
 }
 constexpr double lobatto_inner = 0.65465367070797714380;  // sqrt(3/7)
 constexpr double lobatto_point[5] = {-1, -lobatto_inner, 0, lobatto_inner, 1};
+constexpr double lobatto_weight[5] = {1.0 / 20, 49.0 / 180, 16.0 / 45, 49.0 / 180, 1.0 / 20};
 /// From the values at Lobatto's five points to the factors of P_0 to P_4, times h.
 inline void to_legendre(const LevelManifold& f, real h, LevelMatrix* at) {
   for_each_number(f, [&](auto&& number) {
@@ -54,6 +55,31 @@ constexpr GaussPoints gauss_points() {
     }
   }
   return points;
+}
+/// What a field turns and grows by in a step of the length h is known from where it ends. Rates at Lobatto's
+/// points tell it as well as the field is smooth between them, which a map is not from cell to cell: those of
+/// the inner points are changed until they do. The frame begins with the axes `from`.
+inline void agree_with_end(const LevelAxes& from, real h, FollowedField (&field)[5]) {
+  // Of n, moved by the shortest way, the tangent of half of the angle has the rate of the turn over 1 +
+  // cosine.
+  const FollowedField& end = field[4];
+  const real half = 1.0 / (1.0 + end.cosine);
+  real turn_1 = -dot(end.n, from.second()) * half, turn_2 = dot(end.n, from.first) * half,
+       growth = end.signed_size - field[0].signed_size;
+  for (int i = 0; i < 5; ++i) {
+    const real time = broadcast(lobatto_weight[i]) * h, share = time / (1.0 + field[i].cosine);
+    turn_1 = fnma(field[i].turn_1, share, turn_1);
+    turn_2 = fnma(field[i].turn_2, share, turn_2);
+    growth = fnma(field[i].size_rate, time, growth);
+  }
+  constexpr double inner = lobatto_weight[1] + lobatto_weight[2] + lobatto_weight[3];
+  const real over = select(h > broadcast(0), 1.0 / (inner * h), broadcast(0));
+  for (int i = 1; i < 4; ++i) {
+    const real by = over * (1.0 + field[i].cosine);
+    field[i].turn_1 = fma(turn_1, by, field[i].turn_1);
+    field[i].turn_2 = fma(turn_2, by, field[i].turn_2);
+    field[i].size_rate = fma(growth, over, field[i].size_rate);
+  }
 }
 /// Lanes whose couplings are weak against what they couple.
 inline mask are_weak(const LevelManifold& f, const LevelMatrix& h) {
