@@ -19,12 +19,19 @@ namespace {
 using Path = std::filesystem::path;
 
 /// One that cannot be written is worth a warning, not the run.
-void write_or_warn(const Snapshot& snapshot, const Path& path) {
+bool write_or_warn(const Snapshot& snapshot, const Path& path) {
   try {
     write(snapshot, path);
+    return true;
   } catch (const StorageError& error) {
     say(stderr, "\nwarning: {}\n", error.what());
+    return false;
   }
+}
+
+std::string told_of_stop(const Path& kept, const std::string& how) {
+  return fmt::format("stopped; what is finished is in {}{}\n  help: continue with: rabiline resume {}\n",
+                     checkpoint_of(kept).string(), how, quoted(kept));
 }
 
 /// Keeps the sums somewhere: beside the output, in the current folder, in the folder for temporary files.
@@ -49,17 +56,16 @@ Path keep(const Snapshot& snapshot, const Path& output) {
 
 /// One that takes longer than a moment to write is told with its size.
 int keep_stopped(const Snapshot& snapshot, const Path& output) {
-  constexpr double large = 64, mebibyte = 1048576;
+  constexpr double moment = 0.5, mebibyte = 1048576;
   const auto begin = std::chrono::steady_clock::now();
   const Path kept = keep(snapshot, output);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::error_code unknown;
   const double size =
       static_cast<double>(std::filesystem::file_size(checkpoint_of(kept), unknown)) / mebibyte;
-  say(stderr, "stopped; what is finished is in {}{}\n  help: continue with: rabiline resume {}\n",
-      checkpoint_of(kept).string(),
-      !unknown && size > large ? fmt::format(", {:.0f} MiB written in {:.1f} s", size, took.count()) : "",
-      quoted(kept));
+  const bool is_long = !unknown && took.count() > moment;
+  say(stderr, "{}",
+      told_of_stop(kept, is_long ? fmt::format(", {:.3g} MiB written in {:.1f} s", size, took.count()) : ""));
   return exit_code::stopped;
 }
 
@@ -149,6 +155,9 @@ void require_no_checkpoint(const Path& output) {
   if (std::filesystem::exists(checkpoint_of(output), none)) throw lost_by_writing(output);
 }
 
+constexpr double short_flight = 5;  // [s]
+constexpr std::size_t few_points = 1000;
+
 int fly(const Setup& setup, const Path& output, const FlightOptions& options, RunSettings settings,
         std::optional<Snapshot> start) {
   const Lock lock(output);
@@ -174,9 +183,15 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
     if (!options.max_time.empty()) stop_after(read_time_argument("--max-time", options.max_time, range::any));
   };
   settings.progress = [&](const Progress& p) { progress(p); };
+  std::optional<StoppedAtOnce> end;
   settings.snapshot = [&](Snapshot snapshot) {
     const bool is_last = snapshot.complete || stop_requested();
     if (!is_last) write_or_warn(snapshot, checkpoint_of(output));
+    // What follows may take long, and then nobody has to wait for it.
+    if (snapshot.complete && settings.ranks == nullptr &&
+        (snapshot.seconds > short_flight || setup.points() > few_points) &&
+        write_or_warn(snapshot, checkpoint_of(output)))
+      end.emplace(told_of_stop(output, ""));
     // Where several fly, another one may have been asked to stop.
     if (is_last || settings.ranks != nullptr) last = std::move(snapshot);
   };
@@ -211,6 +226,7 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
     file.reset();
     return keep_unwritten(last, output, error);
   }
+  end.reset();
   std::error_code ignored;
   std::filesystem::remove(checkpoint_of(output), ignored);
   if (!result) {

@@ -69,7 +69,10 @@ void run_model(const Setup& setup, const std::filesystem::path& output, const Fl
     throw ArgumentError(error.what());
   }
   if (options.keep) back_up(output);
-  write(solved, output);
+  {
+    const StoppedAtOnce end("stopped; nothing was written\n");
+    write(solved, output);
+  }
   say(stdout, "{}{}, {:.2f} s\n", headed(solved.title), solved.kind, solved.provenance.seconds);
   print_findings(solved);
   say(stdout, "wrote {}\n", output.string());

@@ -5,12 +5,18 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
+#include <mutex>
 #include <string_view>
+#include <utility>
 
 #include "commands/common.hpp"
+#include "storage/safe_file.hpp"
 
 namespace rabiline {
 namespace {
@@ -81,5 +87,20 @@ void hold_back_signals() {
 }
 
 const std::atomic<bool>& stop_requested() { return stop; }
+
+StoppedAtOnce::StoppedAtOnce(std::string words)
+    : waits_([words = std::move(words)](const std::stop_token& over) {
+        std::mutex own;
+        std::condition_variable_any call;
+        std::unique_lock lock(own);
+        while (!over.stop_requested()) {
+          if (stop) {
+            say(stderr, "\n{}", words);
+            PassingFile::remove_all();
+            std::_Exit(exit_code::stopped);
+          }
+          call.wait_for(lock, over, std::chrono::milliseconds(20), [] { return false; });
+        }
+      }) {}
 
 }  // namespace rabiline

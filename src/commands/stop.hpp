@@ -1,6 +1,8 @@
 #pragma once
 // What ends the program before its work is done.
 #include <atomic>
+#include <string>
+#include <thread>
 
 namespace rabiline {
 
@@ -21,5 +23,15 @@ void stop_after(double seconds);
 void hold_back_signals();
 
 const std::atomic<bool>& stop_requested();
+
+/// While it lives, the program ends as stopped when it is asked to, whatever it does, with these words and
+/// without the files that it has begun: for what takes long and is lost by nobody.
+class StoppedAtOnce {
+ public:
+  explicit StoppedAtOnce(std::string words);
+
+ private:
+  std::jthread waits_;
+};
 
 }  // namespace rabiline

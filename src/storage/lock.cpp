@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <string>
+#include <system_error>
 
 #include "storage/safe_file.hpp"
 
@@ -35,8 +36,14 @@ Lock::Lock(const std::filesystem::path& output) {
   const std::filesystem::path target = resolved(output);
   path_ = target.parent_path() / fmt::format(".{}.lock", target.filename().string());
   for (;;) {
-    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) return;
+    constexpr int ours_alone = O_NOFOLLOW | O_CLOEXEC;
+    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | ours_alone, 0666);
+    if (descriptor_ < 0 && errno == EACCES) descriptor_ = ::open(path_.c_str(), O_RDONLY | ours_alone);
+    if (descriptor_ < 0 && (errno == EACCES || errno == EISDIR || errno == ELOOP))
+      throw StorageError(fmt::format(
+          "{}: cannot be locked, since {} is in the way ({})\n  help: remove that, or write to another file",
+          output.string(), path_.string(), std::generic_category().message(errno)));
+    if (descriptor_ < 0) return;  // whoever writes the output tells why
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       const std::string owner = owner_in(descriptor_);
       ::close(descriptor_);
@@ -47,6 +54,7 @@ Lock::Lock(const std::filesystem::path& output) {
     if (is_name_of(path_, descriptor_)) break;
     ::close(descriptor_);
   }
+  passing_.emplace(path_);
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
   const std::string owner = fmt::format("process {} on {}", ::getpid(), host.data());

@@ -12,9 +12,11 @@
 #include <cerrno>
 #include <ctime>
 #include <fstream>
+#include <mutex>
 #include <random>
 #include <string>
 #include <system_error>
+#include <vector>
 
 namespace rabiline {
 namespace {
@@ -89,6 +91,9 @@ void require_replaceable(const Path& path) {
            "choose another name, or remove it");
 }
 
+std::mutex passing_lock;
+std::vector<const std::string*> passing;
+
 constexpr std::string_view temporary_begin = ".rabiline-", temporary_end = ".tmp";
 
 /// Makes the rename itself survive a power cut. Some network file systems cannot, and say EINVAL.
@@ -151,6 +156,19 @@ Path back_up(const Path& path) {
   return {};
 }
 
+PassingFile::PassingFile(const Path& path) : path_(path.string()) {
+  const std::lock_guard guard(passing_lock);
+  passing.push_back(&path_);
+}
+PassingFile::~PassingFile() {
+  const std::lock_guard guard(passing_lock);
+  std::erase(passing, &path_);
+}
+void PassingFile::remove_all() noexcept {
+  const std::lock_guard guard(passing_lock);
+  for (const std::string* path : passing) ::unlink(path->c_str());
+}
+
 NewFile::NewFile(const Path& path) : target_(resolved(path)) {
   require_replaceable(target_);
   std::random_device random;
@@ -164,12 +182,13 @@ NewFile::NewFile(const Path& path) : target_(resolved(path)) {
            fmt::format("no file can be created in {}: {}", folder_of(target_).string(), words_for(errno)),
            suggestion_for(errno));
   }
+  passing_.emplace(path_);
   ::flock(descriptor_, LOCK_EX | LOCK_NB);  // where there are no locks, age alone tells
 }
 
 NewFile::~NewFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!renamed_) ::unlink(path_.c_str());
+  if (passing_) ::unlink(path_.c_str());
 }
 
 void NewFile::append(std::span<const std::byte> bytes) {
@@ -223,7 +242,7 @@ void NewFile::become_target(const std::function<void(const Path& temporary)>& ve
   finish();
   verify(path_);
   if (::rename(path_.c_str(), target_.c_str()) != 0) refuse(target_, errno);
-  renamed_ = true;
+  passing_.reset();
   flush_folder_of(target_);
 }
 

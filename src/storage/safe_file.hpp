@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "storage/storage_error.hpp"
 
@@ -19,6 +21,21 @@ std::filesystem::path resolved(const std::filesystem::path&);
 /// Gives what is there a second name, result.1.h5 for result.h5, or the first number that is free. Empty
 /// where nothing is there.
 std::filesystem::path back_up(const std::filesystem::path&);
+
+/// A file that is there for as long as something is under way.
+class PassingFile {
+ public:
+  explicit PassingFile(const std::filesystem::path&);
+  PassingFile(const PassingFile&) = delete;
+  PassingFile& operator=(const PassingFile&) = delete;
+  ~PassingFile();
+
+  /// Where the process ends at once, from any thread.
+  static void remove_all() noexcept;
+
+ private:
+  std::string path_;
+};
 
 /// A new file beside `target`, removed again unless it becomes the target; locked while it is written. Throws
 /// StorageError; what was there is then intact.
@@ -48,8 +65,8 @@ class NewFile {
   void keep_mode_of_target();
 
   std::filesystem::path target_, path_;
+  std::optional<PassingFile> passing_{};
   int descriptor_ = -1;
-  bool renamed_ = false;
 };
 
 /// Writes a new file beside `target`, lets `verify` read it back from the disk and throw where it finds
