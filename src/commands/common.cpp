@@ -262,6 +262,7 @@ bool prints(const std::vector<std::string>& arguments) {
 
 int run_program(const std::vector<std::string>& arguments) {
   ignore_failed_writes();
+  if (is_left_to_the_first(arguments)) return exit_code::done;
   std::unique_ptr<Ranks> ranks;
   const int code = explained([&] {
     ranks = launched_ranks(arguments);

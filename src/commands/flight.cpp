@@ -29,29 +29,34 @@ bool write_or_warn(const Snapshot& snapshot, const Path& path) {
   }
 }
 
+/// [s] Less than that is worked out and written in a moment, or lost without regret.
+constexpr double short_flight = 5;
+constexpr std::size_t few_points = 1000;
+
 std::string told_of_stop(const Path& kept, const std::string& how) {
   return fmt::format("stopped; what is finished is in {}{}\n  help: continue with: rabiline resume {}\n",
                      checkpoint_of(kept).string(), how, quoted(kept));
 }
 
-/// Keeps the sums somewhere: beside the output, in the current folder, in the folder for temporary files.
-/// Returns the output whose checkpoint they are now. Throws the first StorageError where there is no place.
+/// Keeps the sums somewhere: beside the output, in the current folder, in those for temporary files. Returns
+/// the output whose checkpoint they are now. Throws StorageError where there is no place.
 Path keep(const Snapshot& snapshot, const Path& output) {
   std::error_code error;
   const Path name = output.filename();
-  std::optional<StorageError> first;
+  std::string tried;
   for (const Path& place : {output, std::filesystem::current_path(error) / name,
-                            std::filesystem::temp_directory_path(error) / name}) {
+                            std::filesystem::temp_directory_path(error) / name, Path("/tmp") / name}) {
+    const Path checkpoint = checkpoint_of(place);
     try {
-      const bool taken = place != output && std::filesystem::exists(checkpoint_of(place));
-      if (taken) continue;
-      write(snapshot, checkpoint_of(place));
-      return place;
+      if (place != output && std::filesystem::exists(checkpoint, error))
+        tried += fmt::format("\n  nor as {}, which is there already", checkpoint.string());
+      else if (place == output || place.has_parent_path())
+        return write(snapshot, checkpoint), place;
     } catch (const StorageError& problem) {
-      if (!first) first = problem;
+      tried += (tried.empty() ? "" : "\n  nor: ") + std::string(problem.what());
     }
   }
-  throw *first;
+  throw StorageError(tried);
 }
 
 /// One that takes longer than a moment to write is told with its size.
@@ -154,9 +159,6 @@ void require_no_checkpoint(const Path& output) {
   std::error_code none;
   if (std::filesystem::exists(checkpoint_of(output), none)) throw lost_by_writing(output);
 }
-
-constexpr double short_flight = 5;  // [s]
-constexpr std::size_t few_points = 1000;
 
 int fly(const Setup& setup, const Path& output, const FlightOptions& options, RunSettings settings,
         std::optional<Snapshot> start) {

@@ -145,13 +145,28 @@ int processes_started() {
   return 1;
 }
 
+int number_of_process() {
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID"})
+    if (const char* number = std::getenv(name)) return std::atoi(number);
+  return 0;
+}
+
+bool has_shard(const std::vector<std::string>& arguments) {
+  return std::ranges::any_of(arguments, [](const std::string& a) { return a.starts_with("--shard"); });
+}
+
 bool fly_together(const std::vector<std::string>& arguments) {
   constexpr std::array<std::string_view, 4> verbs{"run", "resume", "merge", "reproduce"};
   return !arguments.empty() && std::ranges::find(verbs, arguments.front()) != verbs.end() &&
-         std::ranges::none_of(arguments, [](const std::string& a) { return a.starts_with("--shard"); });
+         !has_shard(arguments);
 }
 
 }  // namespace
+
+bool is_left_to_the_first(const std::vector<std::string>& arguments) {
+  return processes_started() > 1 && number_of_process() > 0 && !fly_together(arguments) &&
+         !has_shard(arguments);
+}
 
 std::unique_ptr<Ranks> launched_ranks(const std::vector<std::string>& arguments) {
   const int started = processes_started();

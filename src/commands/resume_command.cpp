@@ -64,7 +64,9 @@ void add_merge(CLI::App& app, Ranks* ranks, int& exit) {
     end_at_signals();
     Merger merger;
     for (const std::string& part : *parts) {
-      if (std::filesystem::path(part) == std::filesystem::path(*output))
+      std::error_code none;  // of an output that is not there yet
+      if (std::filesystem::path(part) == std::filesystem::path(*output) ||
+          std::filesystem::equivalent(part, *output, none))
         throw ArgumentError(fmt::format("{} is what is merged\n  help: name the new file first", part));
       merger.add(part, read_snapshot(part));
     }

@@ -308,7 +308,8 @@ std::string report_of_fields(const Beamline& beamline) {
 }
 
 std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
-  constexpr double poor_map = 1e-3;
+  constexpr double poor_map = 1e-3,
+                   least_noise = 1e-9;  // of the largest field; a billionth is what rounds a table
   const double end = caught_at(beamline);
   Faults out;
   for (const PlacedPart& part : beamline.parts) {
@@ -342,7 +343,7 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
                       quality.curl.rms),
           "look for a wrong unit, order or sign of its components; omit what has currents or charges in "
           "it"));
-    else if (quality.noisy && key == "map")
+    else if (quality.noisy && quality.error.rms > least_noise && key == "map")
       out.push_back(warning(
           name, "map",
           fmt::format("the map of `{}` has noise: over one step it changes at random by {:.1g} of its "

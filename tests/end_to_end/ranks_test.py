@@ -112,6 +112,12 @@ def test_what_is_wrong_is_said_once_and_soon(tmp_path: Path) -> None:
     assert together(3, "run", MODEL, "--set", "model.samples=100", "-o", tmp_path / "m.h5").stdout.count("wrote") == 1
 
 
+def test_what_one_process_does_is_left_to_the_first(tmp_path: Path) -> None:
+    done = together(2, "trace", EXPERIMENT, "-n", 1, "-o", tmp_path / "t.h5")
+    assert done.returncode == DONE and done.stdout.count("wrote") == 1, done.stderr
+    assert together(2, "verify", tmp_path / "t.h5").stdout.count("t.h5") == 1
+
+
 def test_a_rank_that_fails_ends_the_job_with_its_reason(tmp_path: Path) -> None:
     """Threads that only one of them cannot start."""
     script = f'[ "$OMPI_COMM_WORLD_RANK" = 1 ] && ulimit -v 4000000; exec {PROGRAM} "$@"'

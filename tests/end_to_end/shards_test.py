@@ -34,6 +34,16 @@ def test_shards_that_do_not_belong_together_are_refused_by_name(tmp_path: Path, 
     assert not (tmp_path / "all.h5").exists()
 
 
+def test_a_shard_is_not_written_over_whatever_it_is_called(tmp_path: Path) -> None:
+    parts = shards_of(tmp_path, 2)
+    before = parts[0].read_bytes()
+    (tmp_path / "linked.h5").symlink_to("s1.h5")
+    for output in (f"{tmp_path}/./s1.h5", tmp_path / "linked.h5"):
+        refused = rabiline("merge", output, *parts)
+        assert refused.returncode == BAD_INPUT and "is what is merged" in refused.stderr, refused.stderr
+    assert parts[0].read_bytes() == before
+
+
 @pytest.mark.parametrize("shard", ["0/3", "4/3", "3", "1/0", "a/b", "1/3/4", "-1/3"])
 def test_a_shard_that_is_none_is_refused(tmp_path: Path, shard: str) -> None:
     refused = rabiline("run", EXPERIMENT, *FEW, f"--shard={shard}", "-o", tmp_path / "a.h5")

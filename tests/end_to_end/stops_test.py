@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from runs import BEAM_OF_POINTS, DONE, EDGES, EXPERIMENT, PROGRAM, STOPPED, assert_same_bits, folder, rabiline, reference, run  # noqa: F401 (fixtures)
 
+RAMSEY = EXPERIMENT.with_name("ramsey.yaml")
 LONG = ("--particles", 2_400_001, *EDGES)
 
 
@@ -89,6 +90,21 @@ particles: 300
 seed: 1938
 scan: {parameter: RF.frequency, from: 9 MHz, to: 10 MHz, points: 200000}
 """
+
+
+def test_a_signal_while_a_long_scan_is_worked_out_keeps_what_has_flown(tmp_path: Path) -> None:
+    scan = ("--particles", 200, "--scan", "first.frequency=281.647 kHz:301.647 kHz:6001", "--threads", 1)
+    output, checkpoint = tmp_path / "out.h5", tmp_path / "out.h5.checkpoint"
+    process = subprocess.Popen([PROGRAM, "run", str(RAMSEY), "-o", output, *map(str, scan)], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    while not checkpoint.exists() and process.poll() is None:
+        time.sleep(0.01)
+    begun = time.monotonic()
+    assert f"rabiline resume {output}" in stop(process, signal.SIGTERM)
+    assert time.monotonic() - begun < 1 and not output.exists()
+    resumed = rabiline("resume", output)
+    assert resumed.returncode == DONE and "100.0 % have flown" in resumed.stderr, resumed.stderr
+    assert list(tmp_path.iterdir()) == [output]
+    assert_same_bits(run(tmp_path / "again.h5", *scan, experiment=RAMSEY), output)
 
 
 def test_a_signal_before_the_flight_ends_it_at_once(tmp_path: Path) -> None:

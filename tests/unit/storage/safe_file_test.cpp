@@ -221,6 +221,17 @@ TEST(Lock, KeepsAnotherProcessFromTheSameOutputAndLeavesNothing) {
   EXPECT_THAT(folder.names(), ElementsAre("here.h5"));
 }
 
+TEST(Lock, IsNotPassedOverWhereSomethingIsInItsWayWhichStaysAsItIs) {
+  const Folder folder;
+  put_bytes(folder / "precious", "text");
+  std::filesystem::create_symlink("precious", folder / ".linked.h5.lock");
+  std::filesystem::create_directory(folder / ".folder.h5.lock");
+  for (const char* name : {"linked.h5", "folder.h5"})
+    EXPECT_THAT(failure_in_child([&] { const Lock lock(folder / name); }),
+                HasSubstr(fmt::format(".{}.lock is in the way", name)));
+  EXPECT_EQ(bytes_of(folder / "precious"), "text");
+}
+
 TEST(ReplaceFile, KeepsTheEarlierFileWhenVerificationFails) {
   const Folder folder;
   put_bytes(folder / "result.h5", hdf5("earlier"));
