@@ -77,7 +77,7 @@ class Resonance:
     depth: Value  # height over the baseline for a peak; never negative
     baseline: Value
     resolution: float  # what the spacing of the points alone leaves open of the width, one standard deviation; it is
-    # part of the width's error, and half of it of the centre's
+    # part of the width's error, and half of it of a fitted centre's
 
     @property
     def level(self) -> float:
@@ -260,7 +260,16 @@ class Edge:
         of particles. Where the curve climbs by half its depth or more from one point to the next, the place may be
         anywhere between the two: spacing/√12. Where several points follow the edge, what straight lines or a model
         miss between points falls as the square of the climb; the bend is a lower limit of it."""
-        return max(self.bend, self.spacing / np.sqrt(12) * min(1.0, 2 * self.climb) ** 2)
+        return self._open(2)
+
+    @property
+    def of_centre(self) -> float:
+        """The part of it that does not cancel in a centre between two edges: points as near to one another miss a smooth line by much the
+        same on both of them, and what is left falls as the square again."""
+        return self._open(4)
+
+    def _open(self, power: int) -> float:
+        return max(self.bend, self.spacing / np.sqrt(12) * min(1.0, 2 * self.climb) ** power)
 
 
 def _measured(curve: Curve, extreme: int, along_baseline: np.ndarray, sign: int) -> Resonance:
@@ -274,7 +283,7 @@ def _measured(curve: Curve, extreme: int, along_baseline: np.ndarray, sign: int)
     resolution = float(np.hypot(low.resolution, high.resolution))
     return Resonance(
         kind="peak" if sign > 0 else "dip",
-        centre=value((low.gradient + high.gradient) / 2, (low.place + high.place) / 2, resolution / 2),
+        centre=value((low.gradient + high.gradient) / 2, (low.place + high.place) / 2, float(np.hypot(low.of_centre, high.of_centre)) / 2),
         width=value(high.gradient - low.gradient, high.place - low.place, resolution),
         depth=value(along_depth),
         baseline=value(along_baseline),

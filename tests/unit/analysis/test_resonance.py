@@ -297,3 +297,24 @@ def test_only_a_frequency_or_a_static_field_is_tuned_through_a_resonance(paramet
     with pytest.raises(NoResonance, match="tunes neither"):
         half_maxima(replace(curve, axis=replace(curve.axis, parameter=parameter, units=units)))
     assert half_maxima(replace(curve, axis=replace(curve.axis, parameter="C.field", units="T")))
+
+
+def fringes(x: np.ndarray, centre: float = 0.0) -> np.ndarray:
+    """A comb 240 Hz apart that falls off on both sides, as a clock has it."""
+    return 0.3 + 0.1 * np.exp(-((x - centre) / 300)**2) * np.cos(2 * np.pi * (x - centre) / 240)
+
+
+@pytest.mark.parametrize("noise", [1e-5, 5e-4])
+@pytest.mark.parametrize("shift", [0.0, 0.07])
+def test_the_error_of_a_central_fringe_is_its_scatter_whether_points_err_together_or_each_by_itself(shift: float, noise: float) -> None:
+    """Of points 12 to a fringe's width."""
+    x, generator, found = np.arange(-500.0, 501.0, 10.0), np.random.default_rng(1938), []
+    slope = (fringes(x, 0.1) - fringes(x, -0.1)) / 0.2
+    covariance = shift**2 * np.outer(slope, slope) + noise**2 * np.eye(x.size)
+    for _ in range(300):
+        y = fringes(x, shift * generator.normal()) + noise * generator.normal(size=x.size)
+        found.append(half_maximum(curve_of(y, covariance, x)).centre)
+    scatter = np.std([centre.value for centre in found])
+    if scatter > 0.05:  # less may be the points'
+        assert np.mean([centre.error for centre in found]) == pytest.approx(scatter, rel=0.2)
+    assert np.mean([abs(centre.value) < 2 * centre.error for centre in found]) > 0.93
