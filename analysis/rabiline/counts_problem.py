@@ -2,6 +2,7 @@
 
 n_i counts are Poisson about mu_i = E_i s (y_i + d_i) + b t_i: y the simulated fraction, d what it may be off, normal with the
 covariance of the simulation; E the exposure, s its factor, which is free unless it is known, and b a background.
+Where that factor alone says how long was counted, a background that is known goes with it: mu_i = E_i s (y_i + d_i + f).
 Q = 2 sum[mu - n + n ln(n/mu)] + z.z, with d = L z and L the root of the covariance, as Conway (PHYSTAT 2011) does for one factor
 per bin.
 """
@@ -14,6 +15,7 @@ from typing import Sequence
 import numpy as np
 
 from .curve_model import BACKGROUND, SCALE
+from .exposures import Exposure
 from .surface import Surface
 
 IMPOSSIBLE = 1e300  # Q of a factor that is not above 0
@@ -27,20 +29,6 @@ MOST_ITERATIONS = 25
 AVERAGES = 12  # each halves, at least, what an average is off
 SETTLED = 1e-9  # of the errors, within which such an average has come to rest
 REACH = 2.0  # steps
-
-
-@dataclass(frozen=True)
-class Exposure:
-    """How many counts a detected fraction means."""
-
-    each: np.ndarray  # [n] counts where the fraction is 1
-    time: np.ndarray  # [n] in units of the mean time
-    background: np.ndarray  # [n] counts, in proportion to the time: as known, unless it is free
-    is_known: bool  # else a factor is free
-
-    def start(self, name: str) -> float:
-        """What SCALE or BACKGROUND is as long as it is not free."""
-        return 1.0 if name == SCALE else float(self.background.mean())
 
 
 @dataclass(frozen=True)
@@ -140,15 +128,19 @@ class Problem:
     surface: Surface
     extra: tuple[str, ...]  # SCALE, BACKGROUND
 
+    def start(self, name: str, values: np.ndarray) -> float:
+        """Of SCALE or BACKGROUND, one that is not free: what it is with the values of those that are."""
+        return self.exposure.start(name, values[self.surface.centre.size + self.extra.index(SCALE)] if SCALE in self.extra else 1.0)
+
     def mean(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """mu [n], its derivatives [parameters, n], and mu by y [n]."""
         k = self.surface.centre.size
         free = dict(zip(self.extra, values[k:]))
         y, slopes = self.surface.at(values[:k])
         each = self.exposure.each * free.get(SCALE, 1.0)
-        background = free[BACKGROUND] * self.exposure.time if BACKGROUND in free else self.exposure.background
-        mu = each * y + background
-        by = {SCALE: self.exposure.each * y, BACKGROUND: self.exposure.time}
+        background, floor = (free[BACKGROUND] * self.exposure.time, 0.0) if BACKGROUND in free else (self.exposure.background, self.exposure.floor)
+        mu = each * (y + floor) + background
+        by = {SCALE: self.exposure.each * (y + floor), BACKGROUND: self.exposure.time}
         return np.maximum(mu, 1e-9), np.concatenate([each * slopes, *(by[name][None] for name in self.extra)]), each
 
     def modes(self, mu: np.ndarray, each: np.ndarray) -> np.ndarray:

@@ -32,7 +32,8 @@ together share one, with `+` between: `C1.frequency+C2.frequency [kHz]`.
 
 Start values are those of the file, or of --set. Names with `+` between have one value. `scale`, a factor of all that is
 expected, is free unless the table has `emitted`, or `seconds` while the source in the file states its `rate`; `background`,
-counts at each point, is free where it is named.
+counts at each point, is free where it is named; else it is what the detector in the file has, over `seconds`, or over the time
+that `emitted` or `scale` means at the source's `rate`.
 """
 
 AFTER_FIT = """\

@@ -73,6 +73,8 @@ def report(fit: CountsFit) -> Iterable[str]:
         i = int(np.argmax(np.abs(moved)))
         there = format_value(float(f"{rival.values[i]:.4g}"), fit.units[i], None, fit.written_unit(i))
         yield (f"  nearly as good: {fit.names[i]} near {there}, {abs(moved[i]):.0f} of its errors from here, where −2 ln L is {max(rival.rise, 0.0):.1f} higher: measure more points")
+    if fit.about_background:
+        yield f"  {fit.about_background}"
     for one in fit.held:
         yield from _about_held(fit, one)
     if verdict := verdict_of(fit):

@@ -14,12 +14,13 @@ from scipy import stats
 
 from . import asked
 from .counts import Counts, read_counts
-from .counts_problem import Exposure, Fisher, Problem, shares_of_simulation
+from .counts_problem import Fisher, Problem, shares_of_simulation
 from .covariance import LEAST_P
 from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, check_columns
 from .directions import Direction, analysis
 from .errors import as_keywords
 from .experiment import Experiment
+from .exposures import Exposure, exposure_of, first_scale
 from .held import ASKS, Held, held
 from .profiles import Profiles, profiles
 from .surface import Surface
@@ -73,6 +74,7 @@ class CountsFit:
     held: tuple[Held, ...] = ()  # what of the exposure was not free
     start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
     written: tuple[tuple[str, float] | None, ...] = ()  # units of the free parameters in the file, and how much each is in SI
+    about_background: str = ""  # where it comes from, or why there is none, where the table does not say over which time it was counted
     searches: int = 1  # from so many places, where the points are too sparse for one, or the first came to rest at a curve that is none of the counts'
     sparse: bool = False
     rivals: tuple[Rival, ...] = ()
@@ -157,8 +159,8 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     if counts.counts.size < len(names) + len(extra):
         raise NoFit(f"{len(names) + len(extra)} parameters are free ({', '.join((*names, *extra))}), and there are only {counts.counts.size} points to know them by")
     model.scaled = SCALE in extra
-    values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE and not exposure.is_known else
-                                      exposure.start(name) or 0.1 * counts.counts.min() for name in extra]])
+    scale = 1.0 if exposure.is_known else first_scale(model, counts, exposure, values)
+    values = np.concatenate([values, [scale if name == SCALE else exposure.start(name, scale) or 0.1 * counts.counts.min() for name in extra]])
     first = values
     values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
     sparse = counts.are_sparse(problem.surface.y, problem.surface.covariance)
@@ -206,32 +208,6 @@ def _rivals(model: CurveModel, problem: Problem, values: np.ndarray, profiled: P
         if badness < here + ASKS and all((np.abs(there - one) > FAR * errors)[:len(model.names)].any() for one in (values, *(one.values for one in rivals))):
             rivals.append(Rival(there, badness - here))
     return tuple(rivals)
-
-
-def exposure_of(model: CurveModel, counts: Counts, values: np.ndarray) -> Exposure:
-    """From the table and the file."""
-    n = counts.counts.size
-    time = np.ones(n) if counts.seconds is None else counts.seconds / counts.seconds.mean()
-    background, per_second = np.zeros(n), None
-    if counts.seconds is not None:
-        flown = model.scanned.set({**model.changes(values), "particles": model.explored}).fly()
-        background = flown.detectors[model.detector].background * counts.seconds
-        i = flown.scan.detectors.index(model.detector)
-        if flown.scan.count_rate is not None and counts.emitted is None:
-            clean = flown.scan.count_rate[i] - flown.detectors[model.detector].background
-            per_second = np.sum(clean) / np.sum(flown.scan.detected[i])
-    if counts.emitted is not None:
-        return Exposure(counts.emitted, time, background, True)
-    if per_second is not None:
-        return Exposure(per_second * counts.seconds, time, background, True)
-    return Exposure(time, time, background, False)
-
-
-def _first_scale(model: CurveModel, counts: Counts, exposure: Exposure, values: np.ndarray) -> float:
-    seen = np.sum(exposure.each * model.at(values[:len(model.names)]).y)
-    if seen <= 0:
-        raise NoFit(f"`{model.detector}` counts nothing at the start values: nothing to fit")
-    return max(np.sum(counts.counts - exposure.background), 1.0) / seen
 
 
 def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[str, ...],
@@ -357,6 +333,7 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
                      shares_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
                      tuple((model.names[i], limit) for i, limit in model.limits.beyond(values).items()), others, start=model.start()[:k],
+                     about_background="" if BACKGROUND in problem.extra else problem.exposure.about,
                      written=tuple(model.experiment.written_unit(name.split("+")[0]) for name in model.names))
 
 
@@ -386,7 +363,7 @@ def _searched(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
     """The same by a search from the `first` values, if that comes to rest far away at a curve that fits as well: both as the particles explored
     have them."""
     try:
-        found, freed = _search(model, counts, problem.exposure, (*problem.extra, one.name), np.append(first, problem.exposure.start(one.name)))
+        found, freed = _search(model, counts, problem.exposure, (*problem.extra, one.name), np.append(first, problem.start(one.name, first)))
     except NoFit:
         return one
     fall = _flown(model, problem, values) - _flown(model, freed, found)

@@ -46,23 +46,26 @@ def read_measured(source: Path | pandas.DataFrame, curve: Curve, detector: str |
         raise InputError(f"{counts.path}: all counts lie outside the scan, {curve.axis.text(curve.x.min())} to "
                          f"{curve.axis.text(curve.x.max())}: is the unit right?")
     each, background = _each(counts, curve) or (None, 0.0)
+    floor = 0.0
     if each is not None:
         label = "counted"
     else:
         order = np.argsort(curve.x)
-        expected = np.interp(x, curve.x[order], curve.y[order])
+        floor = curve.rate[1] / curve.rate[0] if curve.rate else 0.0  # the background, as a fraction
+        expected = np.interp(x, curve.x[order], curve.y[order]) + floor
         time = np.ones(x.size) if counts.seconds is None else counts.seconds / counts.seconds.mean()
         counted = counts.counts / time
         factor = float(expected @ counted / max(counted @ counted, 1e-300))
-        each, label = time / max(factor, 1e-300), f"counted, times {factor:.3g}"
-    return Measured(x, (counts.counts - background) / each, np.sqrt(np.maximum(counts.counts, 1.0)) / each, label)
+        each, label = time / max(factor, 1e-300), f"counted, times {factor:.3g}" + (", less the background" if floor else "")
+    return Measured(x, (counts.counts - background) / each - floor, np.sqrt(np.maximum(counts.counts, 1.0)) / each, label)
 
 
 def _each(counts: Counts, curve: Curve) -> tuple[np.ndarray, np.ndarray | float] | None:
     """[n] Counts where the fraction is 1, and the background's, if they are known."""
     each, background = curve.rate or (None, 0.0)
-    if counts.seconds is not None:
-        background = background * counts.seconds
+    seconds = counts.seconds
+    if seconds is None and counts.emitted is not None and each is not None:
+        seconds = counts.emitted / each
     if counts.emitted is not None:
-        return counts.emitted, background if counts.seconds is not None else 0.0
-    return None if counts.seconds is None or each is None else (each * counts.seconds, background)
+        return counts.emitted, 0.0 if seconds is None else background * seconds
+    return None if seconds is None or each is None else (each * seconds, background * seconds)
