@@ -281,9 +281,10 @@ def _measured(curve: Curve, extreme: int, along_baseline: np.ndarray, sign: int)
                      float(np.hypot(curve.spread.of_sum(along), resolution)))
 
     resolution = float(np.hypot(low.resolution, high.resolution))
+    of_centre = float(np.linalg.norm([low.of_centre, high.of_centre, high.resolution - low.resolution])) / 2  # one edge may have coarser points
     return Resonance(
         kind="peak" if sign > 0 else "dip",
-        centre=value((low.gradient + high.gradient) / 2, (low.place + high.place) / 2, float(np.hypot(low.of_centre, high.of_centre)) / 2),
+        centre=value((low.gradient + high.gradient) / 2, (low.place + high.place) / 2, of_centre),
         width=value(high.gradient - low.gradient, high.place - low.place, resolution),
         depth=value(along_depth),
         baseline=value(along_baseline),

@@ -318,3 +318,9 @@ def test_the_error_of_a_central_fringe_is_its_scatter_whether_points_err_togethe
     if scatter > 0.05:  # less may be the points'
         assert np.mean([centre.error for centre in found]) == pytest.approx(scatter, rel=0.2)
     assert np.mean([abs(centre.value) < 2 * centre.error for centre in found]) > 0.93
+
+
+def test_a_centre_between_fine_and_coarse_points_is_known_no_better_than_the_coarse_edge() -> None:
+    x = np.geomspace(10.0, 2000.0, 24)
+    found = half_maximum(curve_of(0.1 + 0.1 * np.exp(-np.log(x / 170)**2), np.full((24, 24), 1e-12) + np.eye(24) * 1e-12, x))
+    assert found.centre.error == pytest.approx(found.resolution / 2, rel=0.2)
