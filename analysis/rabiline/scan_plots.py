@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from . import style
-from .curves import Curve, NoResonance, Resonance, Value
+from .curves import Curve, NoResonance, Resonance
 from .measured import Measured
 from .pieces import pieces_of, runs_of
 from .reading import Reading, reading_of
 from .results import Axis
 from .style import COUNTS, GREY, INK, Look, looks
-from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic, law_name
+from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic, law_name, with_error
 
 SYMBOL = 3.4  # points
 RIM = 1.4  # points, by which symbols or lines are larger than those that hide them
@@ -75,7 +75,7 @@ def _draw_pieces(curves: Sequence[Curve], labels: Sequence[str], title: str, mar
                                           if parts[0].x.min() <= value <= parts[0].x.max()}, beside=False)
         readings = [told for part in parts if (told := _reading(part))]
         seen = sum(len(told.resonances) for told in readings) == 1 and figure.get_figwidth() / len(pieces) > ROOM
-        axes.set_title("\n".join(_in_words(readings[0], scale, parts[0].axis.units)).replace(", FWHM", "\nFWHM") if seen else "", fontsize="small")
+        axes.set_title("\n".join(_in_words(readings[0], scale, parts[0].axis)).replace(", FWHM", "\nFWHM") if seen else "", fontsize="small")
         axes.xaxis.set_major_locator(MaxNLocator(max(1, int(figure.get_figwidth() / len(pieces) / 0.8))))
         axes.set_ylim(*limits)
         axes.spines["left"].set_visible(number == 0)
@@ -156,7 +156,7 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
         if first != label:
             _draw_curve(axes, curve, f"{style.plain(label)}\nthe same as {style.plain(first)}", look, scale, place)
             continue
-        words = _in_words(told, scale, axis.units) if told else []
+        words = _in_words(told, scale, axis) if told else []
         text = "\n".join(words).replace(", FWHM", "\nFWHM")
         side = _free_side(axes, text, told.resonances[0], [*curves, *([measured] if measured else [])]) if beside and words else None
         side = side or ("right" if beside and not label else None)  # without a legend
@@ -290,19 +290,18 @@ def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
     return "bars: 1 σ" + (", correlated" if any(np.isfinite(curve.spread.freedom) for curve in curves) else "")
 
 
-def _in_words(told: Reading, scale: Scale, unit: str) -> list[str]:
+def _in_words(told: Reading, scale: Scale, axis: Axis) -> list[str]:
     """A line of centre and width with their errors for each dip or peak, and where they come from."""
-    return [*(_numbers(resonance, scale, unit) for resonance in told.resonances), told.how]
+    centre = "middle between the edges" if told.fit is None and is_logarithmic(axis.values) else "centre"  # far from the top of what is even there
+    return [*(f"{centre} {_numbers(resonance, scale, axis)}" for resonance in told.resonances), told.how]
 
 
-def _numbers(resonance: Resonance, scale: Scale, unit: str) -> str:
-    """The centre in the unit of the axis, the width in that too, or with a prefix of its own."""
-    centre, width = resonance.centre, format_value(resonance.width.value, unit, resonance.width.error)
-    if scale.origin == 0 and unit:
-        centre, unit = Value(centre.value / scale.factor, centre.error / scale.factor), scale.unit
-        if scale.base_unit == scale.unit and scale.factor != 1:  # such as gauss
-            width = format_value(resonance.width.value / scale.factor, unit, resonance.width.error / scale.factor)
-    return f"centre {format_value(centre.value, unit, centre.error)}".replace("-", "−") + f", FWHM {width}"
+def _numbers(resonance: Resonance, scale: Scale, axis: Axis) -> str:
+    """The centre in the unit of the axis, the width in that which the user wrote, or with a prefix of its own."""
+    centre, width = resonance.centre, resonance.width
+    shown = with_error(centre.value, centre.error, scale.unit, scale.factor) if scale.origin == 0 and scale.unit and axis.units and centre.error > 0 else \
+        format_value(centre.value, axis.units, centre.error, axis.written)
+    return f"{shown.replace('-', '−')}, FWHM {format_value(width.value, axis.units, width.error, axis.written)}"
 
 
 def _edges(resonance: Resonance, scale: Scale) -> tuple[float, float]:

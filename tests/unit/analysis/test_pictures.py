@@ -318,3 +318,13 @@ def test_counts_at_places_in_equal_ratios_are_drawn_on_a_logarithmic_axis_with_t
     assert axes.get_xscale() == "log" and axes.get_xlabel() == "C.amplitude (mT)"
     fine = axes.lines[-1].get_xdata()
     assert np.count_nonzero(fine < 0.03) > 300
+
+
+def test_a_line_over_equal_ratios_has_the_middle_between_its_edges_in_the_unit_that_was_written(tmp_path: Path) -> None:
+    """The top lies elsewhere: no centre is claimed."""
+    axis = Axis("six.pole_field", np.geomspace(0.01, 2.0, 24), "T")
+    y = 0.1 + 0.1 * np.exp(-np.log(axis.values / 0.17)**2)
+    (curve,) = curves(results.read(write_results(tmp_path / "a.h5", [axis], y, law=["quantum"], particles=10**6, bins=4)))
+    curve = replace(curve, axis=replace(curve.axis, written=("T", 1.0)))
+    (words,) = written(draw_scan([curve], [""], "a title", {}))
+    assert words.startswith("middle between the edges 0.2") and " T\nFWHM 0.3" in words and " mT" not in words
