@@ -85,10 +85,12 @@ def times(value: object, count: int) -> list[float]:
 
 
 def names(name: str, value: object) -> list[str]:
-    """Each of them once. Raises TypeError and InputError."""
+    """Each of them once, none empty. Raises TypeError and InputError."""
     if isinstance(value, str) or not isinstance(value, Iterable):
         raise TypeError(f"`{name}` is a list of names, not {_kind(value)}")
     found = [text(f"a name in `{name}`", one) for one in value]
+    if not all(map(str.strip, found)):
+        raise InputError(f"a name in `{name}` is empty")
     if twice := [one for one in found if found.count(one) > 1]:
         raise InputError(f"`{twice[0]}` is {name} twice")
     return found

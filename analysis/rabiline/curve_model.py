@@ -308,6 +308,12 @@ def first_of(problem: InputError) -> list[str]:
     return ["\n  help: ".join(filter(None, (one["message"], one["help"]))) for one in problem.diagnostics[:1]]
 
 
+def require_free(names: Sequence[str]) -> None:
+    """Raises NoFit where nothing is free, of the curve or of the exposure."""
+    if not names:
+        raise NoFit("nothing is free: name a parameter of the experiment or more, or `scale` or `background`")
+
+
 def check_columns(experiment: Experiment, counts: Counts) -> None:
     """That the experiment knows what the table calls scanned, in its units."""
     for one in filter(None, (counts, counts.across)):

@@ -16,7 +16,7 @@ from . import asked
 from .counts import Counts, read_counts
 from .counts_problem import Fisher, Problem, shares_of_simulation
 from .covariance import LEAST_P
-from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, check_columns
+from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, check_columns, require_free
 from .directions import Direction, analysis
 from .errors import as_keywords
 from .experiment import Experiment
@@ -125,9 +125,9 @@ class CountsFit:
         TypeError, and errors.InputError for an ending that is no picture's or a size that has no room."""
         from . import style
         from .fit_plots import draw_fit
-        from .picture_options import KeywordParser, asked_size, dots
+        from .picture_options import asked_dots, asked_size
         with as_keywords():
-            KeywordParser.require("dpi", dots, str(dpi))
+            dpi = asked_dots(dpi)
             with style.here(asked_size(size)):
                 figure = draw_fit(self, title)
             if output is not None:
@@ -156,6 +156,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
         values[i] = experiment.scan().set({first: value}).value(first) if isinstance(value, str) else asked.number(f"start[{name!r}]", value)
     exposure = exposure_of(model, counts, values)
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or (name == SCALE and not exposure.is_known))
+    require_free((*names, *extra))
     if counts.counts.size < len(names) + len(extra):
         raise NoFit(f"{len(names) + len(extra)} parameters are free ({', '.join((*names, *extra))}), and there are only {counts.counts.size} points to know them by")
     model.scaled = SCALE in extra

@@ -11,7 +11,7 @@ from . import asked
 from .argument_types import LARGEST
 from .counts import names_of
 from .counts_problem import REACH, Exposure, Problem
-from .curve_model import BACKGROUND, SCALE, CurveModel, NoFit
+from .curve_model import BACKGROUND, SCALE, CurveModel, NoFit, require_free
 from .experiment import Experiment
 from .directions import Direction, analysis
 from .fit_report import few_particles
@@ -87,6 +87,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     n = values.size
     exposure = Exposure(np.full(n, each), np.ones(n), np.full(n, background * seconds), known_rate)
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or name == SCALE and not known_rate)
+    require_free((*names, *extra))
     model.scaled = SCALE in extra
     start = model.start()
     full = np.concatenate([start, [exposure.start(name) for name in extra]])

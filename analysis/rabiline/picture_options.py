@@ -7,6 +7,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Callable, NoReturn, TypeVar
 
+from . import asked
 from .argument_types import heading
 from .errors import InputError
 from .units import parse_quantity
@@ -57,6 +58,11 @@ def asked_size(size: object) -> tuple[float, float] | None:
         return None
     text = size if isinstance(size, str) else "x".join(f"{each:.6g}" for each in pair_of("size", size))
     return KeywordParser.require("size", size_of, text)
+
+
+def asked_dots(dpi: object) -> float:
+    """Per inch. Raises TypeError for what is no number, and InputError for one that is none of a picture."""
+    return KeywordParser.require("dpi", dots, str(asked.number("dpi", dpi)))
 
 
 def add_options(verb: str, parser: ArgumentParser) -> None:

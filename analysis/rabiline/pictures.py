@@ -17,7 +17,7 @@ from .errors import InputError, as_keywords
 from .files import open as read_any
 from .hdf5 import IN_MEMORY, FileError
 from .measured import read_measured
-from .picture_options import OWN_OPTIONS, KeywordParser, add_options, asked_size, dots, mark_of, points_of, words_of
+from .picture_options import OWN_OPTIONS, KeywordParser, add_options, asked_dots, asked_size, mark_of, points_of, words_of
 from .regions import read_region
 from .units import law_name, parse_quantity
 
@@ -54,9 +54,8 @@ def limited(figure: Figure, options: argparse.Namespace) -> Figure:
 def picture(opened: object, kind: str | None, output: Path | str | None, options: dict[str, object]) -> Figure:
     """As `plot_of`, with `dpi` among the options; written to `output` where that is given."""
     with as_keywords():
-        dpi = options.pop("dpi", 200)
+        dpi = asked_dots(options.pop("dpi", 200))
         figure = plot_of(opened, kind, options)
-        KeywordParser.require("dpi", dots, str(dpi))
     if output is not None:
         style.save(figure, output, dpi)
     return figure

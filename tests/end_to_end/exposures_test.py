@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.curves import curves  # noqa: E402
+from rabiline.forecasting import forecast  # noqa: E402
 from rabiline.measured import read_measured  # noqa: E402
 
 FLIPPER = """
@@ -79,3 +80,18 @@ def test_points_beside_a_curve_are_without_the_background(flipper: rabiline.Expe
     shown = read_measured(table, curve, None)
     assert shown.y == pytest.approx(curve.y, abs=0.02)
     assert shown.label.endswith(", less the background") == (table.stem == "none")
+
+
+def test_a_fit_of_nothing_is_refused_where_the_exposure_is_known_too(flipper: rabiline.Experiment, table: Path) -> None:
+    if table.stem == "none":
+        found = flipper.fit(table, [], intervals=False)
+        assert found.names == ("scale",)
+        with pytest.raises(TypeError, match="`dpi` is a number, not a text"):
+            found.plot(dpi="300")
+    else:
+        with pytest.raises(rabiline.InputError, match="^nothing is free: name a parameter of the experiment"):
+            flipper.fit(table, [])
+        with pytest.raises(rabiline.InputError, match="^a name in `free` is empty"):
+            flipper.fit(table, [" "])
+        with pytest.raises(rabiline.InputError, match="^nothing is free"):
+            forecast(flipper.scan("rf.frequency", SCAN), [], known_rate=True)

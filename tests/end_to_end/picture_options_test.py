@@ -19,7 +19,7 @@ def ramsey() -> rabiline.Experiment:
     ({"size": "0x0"}, rabiline.InputError, "`size`: `0x0` is no size"), ({"size": (0, 0)}, rabiline.InputError, "no size"),
     ({"size": 3}, TypeError, "a pair of numbers"), ({"x_range": "29:"}, rabiline.InputError, "`x_range`: `29:` is no range"),
     ({"x_range": 3}, rabiline.InputError, "is no range"), ({"dpi": 1e9}, rabiline.InputError, "dots per inch"),
-    ({"detector": [b"x"]}, TypeError, "a text is meant"), ({"colour": "red"}, rabiline.InputError, "no option `colour`")])
+    ({"dpi": "300"}, TypeError, "`dpi` is a number, not a text"), ({"detector": [b"x"]}, TypeError, "a text is meant"), ({"colour": "red"}, rabiline.InputError, "no option `colour`")])
 def test_options_of_pictures_are_read_as_on_the_command_line(ramsey: rabiline.Experiment, options: dict, error: type, says: str) -> None:
     result = ramsey.set(particles=20).run()
     with pytest.raises(error, match=says):
