@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import asked
-from .hdf5 import FileError, UnreadableFile, is_hdf5, require_file
+from .hdf5 import EXPERIMENTS, FileError, UnreadableFile, is_hdf5, require_file
 
 if TYPE_CHECKING:
     import pandas
@@ -101,6 +101,8 @@ def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
         raise TypeError(f"a table is the path of a file or a pandas.DataFrame, not {type(source).__name__}")
     path = Path(asked.path("data", source))
     require_file(path)
+    if path.suffix in EXPERIMENTS:
+        raise FileError(path, "an experiment, and a table of counts belongs here (CSV)")
     try:
         if path.stat().st_size > LARGEST_TABLE:
             raise FileError(path, f"larger than {LARGEST_TABLE} bytes")

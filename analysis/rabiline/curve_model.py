@@ -125,6 +125,9 @@ class CurveModel:
     def _unit(self, name: str) -> str:
         if name in ("seed", "particles"):
             raise NoFit(f"`{name}` is a number of the simulation, not of the beam")
+        if "=" in name:
+            alone, _, value = name.partition("=")
+            raise NoFit(f"`{name}` is free by its name alone: `{alone}`\n  help: --set {alone}='{value}' says where it starts")
         try:
             each = {one: (self.experiment.scan().value(one), self.experiment.scan().unit(one)) for one in name.split("+")}
             if len(set(each.values())) > 1:

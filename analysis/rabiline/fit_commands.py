@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import shlex
 import sys
 from argparse import ArgumentParser
 from pathlib import Path
@@ -132,6 +133,12 @@ def forecast(options: argparse.Namespace) -> None:
 def _experiment(options: argparse.Namespace) -> object:
     from .errors import InputError
     from .experiment import load
+    from .hdf5 import EXPERIMENTS, TABLE
+    if options.file.suffix == TABLE:
+        data = getattr(options, "data", None)
+        experiment = shlex.quote(str(data)) if data and data.suffix in EXPERIMENTS else "EXPERIMENT.yaml"
+        raise InputError(f"{options.file} is a table, and an experiment belongs here\n"
+                         f"  help: `rabiline fit {experiment} --data {shlex.quote(str(options.file))}` fits an experiment to it")
     experiment = load(options.file)
     if experiment.is_model:
         raise InputError(f"{options.file} is a model: nothing is counted in it")

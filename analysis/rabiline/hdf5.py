@@ -25,7 +25,7 @@ SEAL_SIZE = len(SEAL) + 64 + 1
 LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
 ROUNDING = 1e-6  # of what is 1, or of variances in a covariance
 INTERPOLATED = 1e-7  # of the mean square of a fraction, over the particles: what of a covariance follows from moments may be off by as much
-
+EXPERIMENTS, TABLE = (".yaml", ".yml"), ".csv"  # how files end that are none
 
 IN_MEMORY = Path("memory")  # what messages call a file that is no more than its bytes
 
@@ -249,9 +249,20 @@ def _opened(source: Path | str | bytes, path: Path) -> tuple[h5py.File, bool]:
     try:
         return h5py.File(path, "r"), sealed
     except (OSError, RuntimeError):
-        whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else \
-            f"not an HDF5 file; `rabiline run {shlex.quote(str(path))}` makes one of an experiment" if path.suffix in (".yaml", ".yml") else "not an HDF5 file"
-        raise UnreadableFile(path, whole) from None
+        raise UnreadableFile(path, _why_not(path)) from None
+
+
+def _why_not(path: Path) -> str:
+    """Why a file cannot be opened, and what is done with one of its kind."""
+    name = shlex.quote(str(path))
+    if h5py.is_hdf5(path):
+        return "cannot be opened: damaged or unfinished"
+    if path.suffix in EXPERIMENTS:
+        return f"not an HDF5 file; `rabiline run {name}` makes one of an experiment"
+    if path.suffix == TABLE:
+        return (f"a table, not an HDF5 file\n  help: `rabiline plot-scan RESULT.h5 --data {name}` draws counts beside a curve, "
+                f"`rabiline fit EXPERIMENT.yaml --data {name}` and `rabiline fit-line {name}` fit them")
+    return "not an HDF5 file"
 
 
 def _decoded(value: object) -> str:

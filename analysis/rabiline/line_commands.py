@@ -16,7 +16,7 @@ from .covariance import LEAST_P
 from .curves import Curve, curves
 from .errors import InputError
 from .forms import FORMS, SHORTEST, Form, rabi_over, ramsey_over
-from .hdf5 import is_hdf5
+from .hdf5 import EXPERIMENTS, is_hdf5
 from .line_report import described, unit_of
 from .lines import LineFit, NoLine, Poisson, fit_line
 from .units import base_of, format_value, parse_quantity
@@ -73,7 +73,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
                 forms |= {"rabi": rabi_over(slowness, weights), "ramsey": ramsey_over(slowness, weights)}
             elif told_apart > 2:
                 forms["rabi"] = rabi_over(*_normal(slowness, weights, edges[1] - edges[0]))
-    elif options.file.suffix in (".yaml", ".yml"):
+    elif options.file.suffix in EXPERIMENTS:
         raise InputError(f"{options.file} is an experiment, and a form is fitted to a result of it, or to counts\n"
                          f"  help: `rabiline run {options.file}` makes one; `rabiline fit {options.file} --data COUNTS.csv` fits the experiment itself")
     else:

@@ -128,10 +128,30 @@ def test_the_first_steps_of_help_need_no_other_files() -> None:
     (["forecast", RAMSEY, "--free", "guide.field", "--rate", "4 kHz"], "`4 kHz` is no rate above 0: write a number per second"),
     (["forecast", RAMSEY, "--free", "guide.field", "--seconds", "ten"], "`ten` is no time above 0: write seconds"),
     (["forecast", RAMSEY, "--free", "guide.field", "--size", "86x60"], "unrecognized arguments: --size"),
+    (["fit", "counts.csv", "--data", RAMSEY, "--free", "guide.field"],
+     f"counts.csv is a table, and an experiment belongs here\n  help: `rabiline fit {RAMSEY} --data counts.csv` fits an experiment to it\n"),
+    (["forecast", "counts.csv", "--free", "guide.field"], "help: `rabiline fit EXPERIMENT.yaml --data counts.csv` fits an experiment to it"),
+    (["fit", RAMSEY, "--data", RAMSEY, "--free", "guide.field"], "ramsey.yaml: an experiment, and a table of counts belongs here (CSV)"),
     (["fit-line", RAMSEY], "is an experiment, and a form is fitted to a result of it")])
 def test_the_package_tells_what_was_meant(arguments: list[str], told: str) -> None:
     done = rabiline(*arguments)
     assert done.returncode == BAD_INPUT and told in done.stderr and done.stderr.count("rabiline: ") == 1
+
+
+@pytest.mark.parametrize("command", ["plot", "plot-image", "summary"])
+def test_a_table_in_the_place_of_a_result_is_told_what_tables_are_for(tmp_path: Path, command: str) -> None:
+    (tmp_path / "my counts.csv").write_text("first.frequency [kHz],counts\n289,5\n292,7\n")
+    done = rabiline(command, "my counts.csv", cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and done.stderr == (
+        "rabiline: my counts.csv: a table, not an HDF5 file\n  help: `rabiline plot-scan RESULT.h5 --data 'my counts.csv'` draws counts beside a curve, "
+        "`rabiline fit EXPERIMENT.yaml --data 'my counts.csv'` and `rabiline fit-line 'my counts.csv'` fit them\n")
+
+
+def test_a_value_of_what_is_free_is_set(tmp_path: Path) -> None:
+    (tmp_path / "counts.csv").write_text("first.frequency [kHz],counts\n289,5\n292,7\n")
+    done = rabiline("fit", RAMSEY, "--data", tmp_path / "counts.csv", "--free", "guide.field=1 mT", "--detector", "screen", "--particles", 10)
+    assert done.returncode == BAD_INPUT and done.stderr == (
+        "rabiline: `guide.field=1 mT` is free by its name alone: `guide.field`\n  help: --set guide.field='1 mT' says where it starts\n")
 
 
 def test_a_forecast_takes_times_and_rates_with_their_units() -> None:
