@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TextIO
 import numpy as np
 
 from . import asked
-from .errors import InputError
+from .errors import TURNING, InputError
 from .writing import whole
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .tracks import Tracks
 
 LINE = 1 << 16  # bytes that are read of one
+CONTROL = dict.fromkeys((*range(32), *range(127, 160), *TURNING), " ")
 
 
 def columns(results: Results | Motions | Tracks) -> dict[tuple[str, str], np.ndarray]:
@@ -89,10 +90,15 @@ def to_csv(results: Results | Motions | Tracks, to: Path | str | TextIO) -> None
 
 def _write(results: Results | Motions | Tracks, file: TextIO) -> None:
     table = columns(results)
-    file.write(f"# {results.title}\n# {results.program}\n")
+    file.write(f"# {_in_one_line(results.title)}\n# {_in_one_line(results.program)}\n")
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in table])
-    writer.writerows([value if isinstance(value, str) else repr(value.item()) for value in row] for row in zip(*table.values()))
+    writer.writerow([_in_one_line(f"{name} [{unit}]" if unit else name) for name, unit in table])
+    writer.writerows([_in_one_line(value) if isinstance(value, str) else repr(value.item()) for value in row] for row in zip(*table.values()))
+
+
+def _in_one_line(text: str) -> str:
+    """With blanks for control characters: what follows a line break would be read as a row."""
+    return text.translate(CONTROL)
 
 
 def _require_own(path: Path) -> None:

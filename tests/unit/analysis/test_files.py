@@ -5,6 +5,7 @@ import errno
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -187,3 +188,12 @@ def test_half_of_a_character_is_told() -> None:
 
 def test_a_text_of_a_file_neither_steers_a_terminal_nor_turns_its_lines_round() -> None:
     assert hdf5._decoded("a\x1b[31m\x9b \u202eb\u2066") == "a?[31m? ?b?" and hdf5._decoded("µ – π\n\t²") == "µ – π\n\t²"
+
+
+def test_a_table_has_the_title_in_one_line_whatever_breaks_it(tmp_path: Path, result: Path) -> None:
+    file = replace(results.read(result), title="first\nsecond\rlaw,detected\u2028x\x1b[2J")
+    file.to_csv(tmp_path / "a.csv")
+    assert (tmp_path / "a.csv").read_bytes().decode().splitlines()[0] == "# first second law,detected x [2J"
+    named = {**file.detectors, "D\n1": next(iter(file.detectors.values()))}
+    replace(file, detectors=named, scan=replace(file.scan, detectors=("D\n1",))).to_csv(tmp_path / "b.csv")
+    assert len((tmp_path / "b.csv").read_text().splitlines()) == len((tmp_path / "a.csv").read_text().splitlines())
