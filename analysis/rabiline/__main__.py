@@ -196,9 +196,18 @@ def _explained(words: list[str]) -> int:
         if isinstance(problem, (MemoryError, SystemError)) or isinstance(problem, ImportError) and UNMAPPED in str(problem):
             print("rabiline: not enough memory", file=sys.stderr)
             return 2
+        if _is_of_backend(problem):
+            print(f"rabiline: MPLBACKEND is `{os.environ['MPLBACKEND']}`, which matplotlib cannot load here\n  help: unset it, or set it to Agg", file=sys.stderr)
+            return 2
         print(f"rabiline: {type(problem).__name__}: {problem}\n  help: this is a mistake of the program: please report it", file=sys.stderr)
         return 1
     return 0
+
+
+def _is_of_backend(problem: Exception) -> bool:
+    """Whether matplotlib does not know what the user has it draw with, or cannot load it."""
+    backend = os.environ["MPLBACKEND"].removeprefix("module://")
+    return isinstance(problem, (ValueError, ImportError)) and backend not in ("", "Agg") and f"'{backend}'" in str(problem)
 
 
 def _run(words: list[str]) -> None:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import subprocess
 from pathlib import Path
@@ -301,3 +302,10 @@ def test_kinds_of_fringes_and_profiles_are_described(topic: str, says: str) -> N
 def test_check_speaks_of_levels_where_there_are_any() -> None:
     for law, told in (("quantum", "2 levels, "), ("classical", "a vector, turned by the zones below")):
         assert f"spins at screen: {told}" in rabiline("check", EXPERIMENT, "--set", f"law={law}").stdout
+
+
+@pytest.mark.parametrize("backend", ["nonsense", "module://nowhere"])
+def test_a_backend_that_there_is_not_is_no_mistake_of_the_program(tmp_path: Path, backend: str) -> None:
+    done = subprocess.run([PROGRAM, "draw", RAMSEY, "-o", "a.png"], cwd=tmp_path, env={**os.environ, "MPLBACKEND": backend}, text=True, capture_output=True)
+    assert done.returncode == BAD_INPUT and not list(tmp_path.iterdir())
+    assert done.stderr == f"rabiline: MPLBACKEND is `{backend}`, which matplotlib cannot load here\n  help: unset it, or set it to Agg\n"
