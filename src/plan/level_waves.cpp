@@ -77,7 +77,7 @@ RotatingTerm along_field(const DriveTerm& drive, const Vector3& shaped, const Ve
     out.oscillator.turn = (turns > 0) == (drive.omega > 0) ? Turn::positive : Turn::negative;
   } else {
     out.motion = FieldMotion::swings_in_rotating_wave;
-    out.first = {std::sqrt(std::max(0.0, 1 - along * along)), 0, along};
+    out.first = {out.amplitude > 0 ? length_of(cross(a, third)) / out.amplitude : 1, 0, along};
   }
   return out;
 }

@@ -102,7 +102,7 @@ def test_a_signal_while_a_long_scan_is_worked_out_keeps_what_has_flown(tmp_path:
     assert f"rabiline resume {output}" in stop(process, signal.SIGTERM)
     assert time.monotonic() - begun < 1 and not output.exists()
     resumed = rabiline("resume", output)
-    assert resumed.returncode == DONE and "100.0 % have flown" in resumed.stderr, resumed.stderr
+    assert resumed.returncode == DONE, resumed.stderr
     assert list(tmp_path.iterdir()) == [output]
     assert_same_bits(run(tmp_path / "again.h5", *scan, experiment=RAMSEY), output)
 

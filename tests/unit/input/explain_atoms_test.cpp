@@ -80,10 +80,11 @@ TEST_F(ExplainAtoms, TellsTwoFieldsAtOnePlaceApart) {
                               .insert(std::string(clock_file).find("  - {name: D"),
                                       "  - {name: S, kind: oscillating_field, at: 0.51 m, length: 5 mm, "
                                       "amplitude: 1 uT, direction: z, frequency: "
-                                      "8000 MHz, approximation: rotating_wave, phase: random}\n");
+                                      "20 MHz, approximation: none, phase: random}\n");
   const std::string text = check();
   EXPECT_THAT(text, HasSubstr("R drives from 0.5000 to 0.5100 m"));
   EXPECT_THAT(text, HasSubstr("9192.632 MHz, width v/L 10 kHz"));  // of 25 mm, not of a piece
+  EXPECT_THAT(text, HasSubstr("pi 1 uT, sigma+ 0 T, sigma- 0 T"));
   EXPECT_THAT(text, HasSubstr("S drives from 0.5100 to 0.5150 m"));
   EXPECT_THAT(text, HasSubstr("R drives from 0.5150 to 0.5250 m, as R does"));
   EXPECT_THAT(text, HasSubstr("warning: `S` drives no transition"));
