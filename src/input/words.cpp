@@ -144,6 +144,7 @@ constexpr std::array key_meanings{
     Meaning{"to", "length"},
     Meaning{"max", "to"},
     Meaning{"steps", "points"},
+    Meaning{"log", "spacing"},
     Meaning{"number", "points particles"},
     Meaning{"n", "points particles"},
     Meaning{"events", "particles"},

@@ -42,6 +42,25 @@ std::optional<Place> last_open(const Place& place) {
   return open.empty() ? std::nullopt : std::optional(open.back());
 }
 
+/// A unit behind the numbers that it is meant for: `values: [1, 2] mT`.
+std::optional<Diagnostic> unit_behind_list(const Place& place) {
+  const auto number = static_cast<std::size_t>(place.line - 1),
+             at = static_cast<std::size_t>(place.column - 1);
+  const std::vector<std::string>& lines = place.text->lines;
+  if (number >= lines.size() || at >= lines[number].size()) return std::nullopt;
+  const std::string& line = lines[number];
+  std::size_t begin = line.find_last_of(" ]}", at);
+  if (begin == line.npos || begin == 0) return std::nullopt;
+  const std::size_t closed = line.find_last_not_of(' ', begin), end = line.find_first_of(" ,}", begin + 1);
+  if (line[closed] != ']') return std::nullopt;
+  begin = line.find_first_not_of(' ', closed + 1);
+  return Diagnostic{{place.text, place.line, static_cast<int>(begin) + 1,
+                     static_cast<int>(std::min(end, line.size()) - begin)},
+                    "this stands behind a list, to which it does not belong",
+                    fmt::format("a unit stands with each of the numbers: `[1 {0}, 2 {0}]`",
+                                line.substr(begin, end - begin))};
+}
+
 /// A key that goes on where a value should have ended: `length: 1 m field: 1 T`.
 std::optional<Diagnostic> missing_comma(const Place& colon) {
   const auto at = static_cast<std::size_t>(colon.column - 1);
@@ -115,22 +134,23 @@ std::optional<Diagnostic> stray_item(const Place& key) {
   if (here.compare(column, 2, "- ") == 0)
     return Diagnostic{key, "this item belongs to no list",
                       "the key of its list is missing above it, such as `parts:`"};
-  const std::size_t colon = here.find(':', column);
+  const std::size_t colon = here.find_first_of(here[column] == '{' ? "," : ":", column);
   if (colon == here.npos || above.find_first_not_of(' ') != column || above.compare(column, 2, "- ") != 0)
     return std::nullopt;
   if (here[column] == '-' && column + 1 < here.size())
     return Diagnostic{key, "a space is missing behind the dash",
                       fmt::format("write `- {}`", here.substr(column + 1))};
   return Diagnostic{key, "this stands among the items of a list, and is none",
-                    fmt::format("begin it with a dash, as the one above it: `- {{name: {}, ...}}`",
-                                here.substr(column, colon - column))};
+                    fmt::format("begin it with a dash, as the one above it: `- {}{}, ...}}`",
+                                here[column] == '{' ? "" : "{name: ", here.substr(column, colon - column))};
 }
 
 }  // namespace
 
 Diagnostic explain_yaml(Place place, std::string_view message) {
   if (place.text && message.find("end of map flow not found") != message.npos)
-    if (std::optional<Diagnostic> missing = missing_comma(place)) return *std::move(missing);
+    for (const auto& explained : {missing_comma(place), unit_behind_list(place)})
+      if (explained) return *explained;
   if (place.text && message.find("illegal block entry") != message.npos)
     if (const std::optional<Place> open = last_open(place))
       return {*open, "this is never closed", "a `}` or `]` is missing in front of the next item"};

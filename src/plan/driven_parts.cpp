@@ -53,6 +53,10 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
   }
 }
 
+const std::string& name_of(int part, const Beamline& beamline) {
+  return beamline.parts[static_cast<std::size_t>(part)].placement.name;
+}
+
 }  // namespace
 
 DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
@@ -80,8 +84,10 @@ const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Be
     made.on_way = true;
     made.zones =
         zones_near_lines(path.way->fields(), structure, mean_speed(beamline.source.speed, atom.mass));
-    for (const WaveFields& wave : path.way->fields().waves)
+    for (const WaveFields& wave : path.way->fields().waves) {
       made.neglected = std::max(made.neglected, wave.frame.neglected);
+      for (const DriveTerm& drive : wave.drives) made.approximated.insert(name_of(drive.part, beamline));
+    }
   } else {
     const SampledTables::Driven& tabled = plan_.tables->driven_by(path.transitions);
     made.neglected = tabled.levels.neglected();
@@ -96,9 +102,10 @@ const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Be
       begin = std::min(begin, other.begin);
       end = std::max(end, other.end);
     }
-    made.names.push_back(beamline.parts[static_cast<std::size_t>(zone.part)].placement.name);
+    made.names.push_back(name_of(zone.part, beamline));
     made.lengths.push_back(end - begin);
   }
+  if (!made.on_way) made.approximated = {made.names.begin(), made.names.end()};
   return &made;
 }
 

@@ -2,6 +2,7 @@
 // What drives the levels of atoms before the parts that ask for them, at each scan point.
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,8 +19,9 @@ class DrivenParts {
   struct Driven {
     Structure structure{};
     std::vector<LevelZone> zones{};
-    std::vector<std::string> names{};  // [zone] of the fields that drive there
-    std::vector<double> lengths{};     // [m] [zone] of all of its field
+    std::vector<std::string> names{};      // [zone] of the fields that drive there
+    std::vector<double> lengths{};         // [m] [zone] of all of its field
+    std::set<std::string> approximated{};  // the names of those in the rotating-wave approximation
     double neglected = 0, largest_slowness = 0;
     bool on_way = false;
   };

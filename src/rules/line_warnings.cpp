@@ -52,10 +52,9 @@ class Approximations {
   void tell(Faults& out) const {
     if (worst_ != nullptr && worst_->neglected > most_left_out)
       out.push_back(
-          warning(worst_->names.front(), "amplitude",
+          warning(*worst_->approximated.begin(), "amplitude",
                   fmt::format("the rotating-wave approximation of `{}` is poor: {}",
-                              fmt::join(std::set(worst_->names.begin(), worst_->names.end()), "` and `"),
-                              left_out(worst_->neglected)),
+                              fmt::join(worst_->approximated, "` and `"), left_out(worst_->neglected)),
                   "a smaller field helps, or one that turns: a `rotating_field`"));
     else if (most_.shift > 0)
       out.push_back(
