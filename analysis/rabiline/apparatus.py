@@ -37,7 +37,7 @@ SMALL = 0.1  # of a coil's largest field on the axis: less is not shaded
 DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
 COUNTERS = {"detector", "monitor"}
-FIELD, DRIVE = "#d9e6f2", "#f5dcc8"
+FIELD, DRIVE, GAS = "#d9e6f2", "#f5dcc8", "#e8e8e8"
 WIDTH = 9.0  # inches
 NAME, NAMES, MOST_ROWS = 0.37, 0.3, 3  # of a row of names: its share of the height, inches that it takes, and how many a usual picture has
 PANELS, LETTER = 0.6, 1.8  # of a picture where room is scarce: the share of its height that panels have, and lines of letters that a row takes
@@ -302,8 +302,10 @@ def _draw_view(axes: Axes, pieces: list[Piece], across: str, half: float, end: f
     for piece in pieces:
         low, length = piece.begin, max(piece.length, THIN * end)
         centre, size = piece.offset[across], piece.half[across]
+        reach = half if size is None else min(size, half)
+        if piece.kind == "gas_cell":
+            axes.add_patch(Rectangle((low, 1e3 * (centre - reach)), length, 2e3 * reach, facecolor=GAS, edgecolor="none", zorder=0.8))
         if piece.kind in FIELDS | DRIVES:
-            reach = half if size is None else min(size, half)
             colour = DRIVE if piece.kind in DRIVES else FIELD
             axes.add_patch(Rectangle((low, 1e3 * (centre - reach)), length, 2e3 * reach, facecolor=colour, edgecolor="none",
                                      zorder=1.2 if piece.kind in DRIVES else 1))
@@ -314,11 +316,10 @@ def _draw_view(axes: Axes, pieces: list[Piece], across: str, half: float, end: f
         elif piece.kind == "beam_stop" and size is not None:
             axes.add_patch(Rectangle((low, 1e3 * (centre - size)), length, 2e3 * size, facecolor=INK, zorder=3))
         elif piece.kind in COUNTERS:
-            reach = half if size is None else min(size, half)
             axes.plot([low, low], [1e3 * (centre - reach), 1e3 * (centre + reach)], color=LAWS["quantum"][0],
                       linewidth=3 if piece.kind == "detector" else 1.2,
                       linestyle="-" if piece.kind == "detector" else (0, (2, 2)), zorder=3)
-        else:  # filters and the like: a plane
+        elif piece.kind != "gas_cell":  # filters and the like: a plane
             axes.axvline(low, color=GREY, linewidth=1.2, linestyle=(0, (4, 2)), zorder=2)
     axes.axhline(0, color=GREY, linewidth=0.5, zorder=0.5)
 

@@ -51,7 +51,8 @@ def new(options: argparse.Namespace) -> None:
             together.enter_context(whole(path)).write_text(content, encoding="utf-8")
     for path in beside:
         print(f"wrote {path}")
-    print(f"next: rabiline check {target}; rabiline draw {target} -o apparatus.png; rabiline run {target}")
+    drawn = "" if re.search("^model:", text, re.MULTILINE) else f"rabiline draw {target} -o apparatus.png; "
+    print(f"next: rabiline check {target}; {drawn}rabiline run {target}")
 
 
 def title_of(name: str) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from matplotlib.colors import to_rgba
 
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
@@ -113,6 +114,22 @@ def test_electric_fields_are_drawn_beside_the_magnetic_ones() -> None:
     line, = electric.get_lines()
     assert line.get_ydata().max() == 10 and np.ptp(line.get_xdata()[line.get_ydata() > 0]) == pytest.approx(0.2, abs=1e-5)
     plt.close(figure)
+
+
+def test_gas_is_drawn_where_it_is() -> None:
+    text = (BEAMLINES / "stern-gerlach.yaml").read_text()
+    cell = "parts:\n  - {name: gas, kind: gas_cell, at: 0.08 m, length: 0.02 m, pressure: 0.1 Pa, temperature: 300 K, cross_section: 100 angstrom^2}\n"
+    figure = draw_apparatus(rabiline.load(text.replace("parts:\n", cell, 1)).scan(), 0)
+    drawn = [patch for patch in figure.axes[-1].patches if patch.get_facecolor() == to_rgba(apparatus.GAS)]
+    assert [(patch.get_x(), patch.get_width()) for patch in drawn] == [(0.08, pytest.approx(0.02))]
+    plt.close(figure)
+
+
+def test_a_new_model_is_not_told_to_be_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, drawn in (("model", False), ("ramsey", True)):
+        assert main(["new", name]) == 0
+        assert ("rabiline draw" in capsys.readouterr().out) == drawn
 
 
 def test_every_starter_is_a_file_without_a_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
