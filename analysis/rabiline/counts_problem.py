@@ -1,7 +1,8 @@
 """How likely counts are under a simulated curve that has errors of its own.
 
 n_i counts are Poisson about mu_i = E_i s (y_i + d_i) + b t_i: y the simulated fraction, d what it may be off, normal with the
-covariance of the simulation; E the exposure, s its factor, which is free unless it is known, and b a background.
+covariance of the simulation; E the exposure, s its factor, which is free unless it is known, and b a background. The slope of s is y + d: that
+of the simulation alone would be larger where too many particles came by chance.
 Where that factor alone says how long was counted, a background that is known goes with it: mu_i = E_i s (y_i + d_i + f).
 Q = 2 sum[mu - n + n ln(n/mu)] + z.z, with d = L z and L the root of the covariance, as Conway (PHYSTAT 2011) does for one factor
 per bin.
@@ -29,6 +30,8 @@ MOST_ITERATIONS = 25
 AVERAGES = 12  # each halves, at least, what an average is off
 SETTLED = 1e-9  # of the errors, within which such an average has come to rest
 REACH = 2.0  # steps
+UNSEEN = 2.0  # particles: as many may come on the average where none did, in one simulation of seven
+TOGETHER = 3  # iterations, after which counts and simulation have a curve together
 
 
 @dataclass(frozen=True)
@@ -143,17 +146,45 @@ class Problem:
         by = {SCALE: self.exposure.each * (y + floor), BACKGROUND: self.exposure.time}
         return np.maximum(mu, 1e-9), np.concatenate([each * slopes, *(by[name][None] for name in self.extra)]), each
 
-    def modes(self, mu: np.ndarray, each: np.ndarray) -> np.ndarray:
-        """[n, r] What the simulation may be off, in counts, as columns that are each one standard deviation."""
-        root = np.sqrt(np.maximum(mu, 1.0))
-        values, vectors = np.linalg.eigh(self.surface.covariance * each[:, None] * each / root[:, None] / root)
-        kept = values > LEAST_MODE
-        return root[:, None] * vectors[:, kept] * np.sqrt(values[kept])
+    def modes(self, values: np.ndarray) -> np.ndarray:
+        """[n, r] What the simulation may be off, detected fractions, as columns that are each one standard deviation: of the curve that the counts
+        and the simulation have together (R. Barlow and C. Beeston, Comp. Phys. Comm. 77, 219, 1993). By its own errors the simulation would weigh
+        most where few particles came by chance."""
+        mu, _, each = self.mean(values)
+        errors = np.sqrt(np.diag(self.surface.covariance))
+        y = np.maximum(self.surface.y, errors)  # of one particle the error is all of it
+        least = UNSEEN * errors**2 / y
+        root = np.sqrt(np.maximum(mu, 1.0)) / each
+        variances, vectors = np.linalg.eigh(self.surface.covariance / root[:, None] / root)
+        kept = variances > LEAST_MODE
+        modes = own = root[:, None] * vectors[:, kept] * np.sqrt(variances[kept])
+        for _ in range(TOGETHER):
+            off = modes @ (modes.T @ (each * self.weigh((self.counts - mu)[:, None], mu, each[:, None] * modes)[:, 0]))
+            modes = np.sqrt(np.maximum(self.surface.y + off, least) / y)[:, None] * own
+        return modes
+
+    def together(self, values: np.ndarray, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        """The mean of the curve that the counts and the simulation have together, and how far that is from the simulation's: z.z."""
+        mu, slopes, each = self.mean(values)
+        modes = each[:, None] * modes
+        z = np.zeros(modes.shape[1])
+        shifted = mu
+        for _ in range(20 if z.size else 0):  # Newton's method with the expected curvature
+            step = np.linalg.solve(modes.T @ (modes / shifted[:, None]) + np.eye(z.size), modes.T @ (self.counts / shifted - 1) - z)
+            z = z + step
+            shifted = np.maximum(mu + modes @ z, 1e-3 * mu)
+            if np.abs(step).max() < 1e-6:
+                break
+        if SCALE in self.extra:
+            number = self.surface.centre.size + self.extra.index(SCALE)
+            slopes[number] += (shifted - mu) / values[number]
+        return shifted, slopes, each, float(z @ z)
 
     def fisher(self, values: np.ndarray, modes: np.ndarray) -> Fisher:
         """What is known of the parameters: on the average over where their own errors may put them, since at the top of a curve a parameter
         has no slope and is known by the bend alone, as far as the exposure does not explain it."""
-        mu, slopes, each = self.mean(values)
+        mu, slopes, each, _ = self.together(values, modes)
+        modes = each[:, None] * modes
         surface, groups, k = self.surface, len(self.surface.noise), self.surface.centre.size
         by = np.append(surface.steps, np.ones(len(self.extra)))
         slopes = slopes * by[:, None]
@@ -178,19 +209,10 @@ class Problem:
         """Q and its gradient."""
         if SCALE in self.extra and values[self.surface.centre.size + self.extra.index(SCALE)] <= 0:
             return IMPOSSIBLE, np.zeros(values.size)
-        mu, slopes, _ = self.mean(values)
-        z = np.zeros(modes.shape[1])
-        for _ in range(20):  # Newton's method with the expected curvature
-            shifted = np.maximum(mu + modes @ z, 1e-3 * mu)
-            score = modes.T @ (self.counts / shifted - 1) - z
-            step = np.linalg.solve(modes.T @ (modes / shifted[:, None]) + np.eye(z.size), score) if z.size else z
-            z = z + step
-            if np.abs(step).max(initial=0.0) < 1e-6:
-                break
-        shifted = np.maximum(mu + modes @ z, 1e-3 * mu)
+        mu, slopes, _, off = self.together(values, modes)
         n = self.counts
-        q = 2 * np.sum(shifted - n + n * np.log(np.maximum(n, 1e-300) / shifted)) + z @ z
-        return float(q), -2 * slopes @ (n / shifted - 1)
+        q = 2 * np.sum(mu - n + n * np.log(np.maximum(n, 1e-300) / mu)) + off
+        return float(q), -2 * slopes @ (n / mu - 1)
 
     @staticmethod
     def weigh(columns: np.ndarray, mu: np.ndarray, modes: np.ndarray) -> np.ndarray:
@@ -200,8 +222,7 @@ class Problem:
 
     def least(self, values: np.ndarray, fixed: Sequence[int] = ()) -> tuple[np.ndarray, float]:
         """The minimum from `values` on, with some parameters held, and Q there. What is degenerate stays."""
-        mu, _, each = self.mean(values)
-        modes = self.modes(mu, each)
+        modes = self.modes(values)
         moving = [i for i in range(values.size) if i not in fixed]
         q, gradient = self.badness(values, modes)
         for _ in range(MOST_ITERATIONS if moving else 0):
@@ -253,6 +274,5 @@ def _inverse(matrix: np.ndarray) -> np.ndarray:
 def shares_of_simulation(problem: Problem, values: np.ndarray) -> np.ndarray:
     """[k] Which part of the variance of each parameter of the curve is the simulation's, or where none is free, of each of the exposure: its next
     flight may differ by that."""
-    mu, _, each = problem.mean(values)
-    whole, part = (np.diag(_inverse(problem.fisher(values, modes).matrix)) for modes in (problem.modes(mu, each), np.zeros((mu.size, 0))))
+    whole, part = (np.diag(_inverse(problem.fisher(values, modes).matrix)) for modes in (problem.modes(values), np.zeros((problem.counts.size, 0))))
     return np.clip(1 - part / np.maximum(whole, 1e-300), 0, 1)[:problem.surface.steps.size or values.size]

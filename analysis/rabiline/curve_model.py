@@ -31,7 +31,6 @@ SPREAD = 10  # times as much may be noise that differs from point to point: it o
 SHAPE = 10  # likewise where a free factor takes up what is not of the shape
 HELPS = 1.5  # times less noise, for a wider step to be worth while
 NOISY = 0.05  # enough of it, where a wider step would go over an edge
-UNSEEN = 2.0  # particles: as many may come on the average where none did, in one simulation of seven
 EDGE = 0.1  # of what a step changes: so little may be beyond an edge
 MOST_UNUSED = 4  # times as many places in a grid as a table has
 FLAT = 0.01  # of a curve: so little is no line
@@ -231,7 +230,7 @@ class CurveModel:
         spread = Spread.of(y, errors, covariance, np.array(result.particles))
         covariance = spread.covariance
         unseen = np.flatnonzero(y <= 0)  # what would be seen there is not known, at each place by itself
-        covariance[np.ix_(unseen, unseen)] = np.diag((UNSEEN * spread.particle[unseen])**2)
+        covariance[np.ix_(unseen, unseen)] = np.diag(spread.particle[unseen]**2)
         return y, covariance
 
     def changes(self, values: Sequence[float]) -> dict[str, str]:

@@ -170,6 +170,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     if others and others[0][0] < _flown(model, problem, values):
         values, problem = _settle(model, *others[0][1:])
     found = profiles(model, problem, values, intervals)
+    ended = [(values, problem, found)]
     for _ in range(MOST_MINIMA):
         if found.lower is None:
             break
@@ -179,6 +180,9 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
             values, problem = found.lower, replace(problem, surface=Surface.about(model, found.lower[:len(names)], problem.surface.steps))
         values, problem = _settle(model, values, problem)
         found = profiles(model, problem, values, intervals)
+        ended.append((values, problem, found))
+    if len(ended) > 1:  # what walks promise on the polynomial need not be so where it flies
+        values, problem, found = min(ended, key=lambda one: _flown(model, one[1], one[0], model.particles))
     return replace(_conclude(model, counts, problem, first, values, found), searches=1 + len(others), sparse=sparse, rivals=_rivals(model, problem, values, found, others))
 
 
@@ -202,8 +206,7 @@ def _searched_beside(model: CurveModel, counts: Counts, problem: Problem, values
 
 def _rivals(model: CurveModel, problem: Problem, values: np.ndarray, profiled: Profiles, others: list[tuple[float, np.ndarray, Problem]]) -> tuple[Rival, ...]:
     """Of these, each once, that are as good but for three standard deviations, and far away."""
-    mu, _, each = problem.mean(values)
-    errors = profiled.errors * np.sqrt(np.diag(problem.fisher(values, problem.modes(mu, each)).covariance))
+    errors = profiled.errors * np.sqrt(np.diag(problem.fisher(values, problem.modes(values)).covariance))
     here, rivals = _flown(model, problem, values), []
     for badness, there, _ in others:
         if badness < here + ASKS and all((np.abs(there - one) > FAR * errors)[:len(model.names)].any() for one in (values, *(one.values for one in rivals))):
@@ -219,8 +222,7 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
     for turn in range(MOST_ITERATIONS):
         crossed = turn > 0 and reach < 3
         problem = Problem(counts.counts, exposure, Surface.about(model, values[:k], steps, crossed), extra)
-        mu, _, each = problem.mean(values)
-        fisher = problem.fisher(values, problem.modes(mu, each))
+        fisher = problem.fisher(values, problem.modes(values))
         found, _ = problem.least(values)
         moves = np.abs((found - values)[:k] / steps)
         reach = float(np.sqrt((found - values) @ fisher.matrix @ (found - values) / values.size))  # in standard deviations
@@ -281,8 +283,7 @@ def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np
     some = [round(np.sqrt(model.explored * model.particles))] if model.particles > MANY * model.explored else []
     for particles in [*some, *(model.particles for _ in range(MOST_ITERATIONS))]:
         problem = replace(problem, surface=problem.surface.whole(model, particles))
-        mu, _, each = problem.mean(values)
-        modes = problem.modes(mu, each)
+        modes = problem.modes(values)
         fisher = problem.fisher(values, modes)
         found, _ = problem.least(values)
         moves = np.abs((found - values)[:k] / problem.surface.steps).max(initial=0.0)
@@ -306,32 +307,31 @@ def _is_there(problem: Problem, fisher: Fisher, values: np.ndarray, found: np.nd
     way = found - values
     if not problem.fisher(found, modes).directions[2].all():
         return bool(way @ fisher.matrix @ way < values.size)
-    mu, slopes, each = problem.mean(values)
+    mu, slopes, each, _ = problem.together(values, modes)
     surface = problem.surface
     moves = way[:surface.steps.size] / surface.steps
     off = each * np.vstack([np.einsum("gkn,k->gn", surface.noise, moves), np.einsum("jkn,j,k->n", surface.bends, moves, moves)])
-    scores = slopes @ problem.weigh(off.T, mu, modes)
+    scores = slopes @ problem.weigh(off.T, mu, each[:, None] * modes)
     return bool(np.sum(scores * (fisher.inverse @ scores)) < REST**2 * values.size)
 
 
 def _conclude(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray, values: np.ndarray, profiled: Profiles) -> CountsFit:
     k = len(model.names)
+    modes = problem.modes(values)
     mu, _, each = problem.mean(values)
-    modes = problem.modes(mu, each)
     fisher = problem.fisher(values, modes)
     covariance, condition, degenerate, combined = analysis(fisher, values, (*model.names, *problem.extra))
     intervals = tuple((float(value + low * error), float(value + high * error))
                       for value, error, (low, high) in zip(values, np.sqrt(np.diag(covariance)), profiled.intervals))
     covariance = profiled.errors[:, None] * covariance * profiled.errors
-    residual = counts.counts - mu
-    some = np.maximum(mu, 1.0)  # what little is expected tests nothing, and one count there is no miracle
-    chi_squared = float(residual @ problem.weigh(residual[:, None], some, modes)[:, 0])
+    some = np.maximum(problem.together(values, modes)[0], 1.0)  # what little is expected tests nothing, and one count there is no miracle
+    chi_squared = float((counts.counts - mu) @ problem.weigh((counts.counts - mu)[:, None], some, each[:, None] * modes)[:, 0])
     errors = np.sqrt(np.diag(covariance))
     units = (*model.units, *("" for _ in problem.extra))
     others = _held(model, counts, problem, first, values, errors) if all(direction.hidden for direction in degenerate) else ()
     return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, intervals, chi_squared,
                      max(round(float(np.sum(np.minimum(mu, 1.0)))) - values.size + len(degenerate), 0), condition, degenerate, combined, counts, mu,
-                     np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
+                     each * np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
                      shares_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
                      tuple((model.names[i], limit) for i, limit in model.limits.beyond(values).items()), others, start=model.start()[:k],
                      about_background="" if BACKGROUND in problem.extra else problem.exposure.about,

@@ -10,7 +10,7 @@ import numpy as np
 from . import asked
 from .argument_types import LARGEST
 from .counts import names_of
-from .counts_problem import REACH, Exposure, Problem
+from .counts_problem import REACH, UNSEEN, Exposure, Problem
 from .curve_model import BACKGROUND, SCALE, CurveModel, NoFit, require_free
 from .experiment import Experiment
 from .directions import Direction, analysis
@@ -94,15 +94,15 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     steps = model.first_steps(start)
     turns = TURNS
     while turns > 0:
-        problem = Problem(np.ones(n), exposure, Surface.about(model, start, steps, crossed=False), extra)
-        fisher = problem.fisher(full, _unseen(problem, full))
+        problem = Problem(np.zeros(n), exposure, Surface.about(model, start, steps, crossed=False), extra)
+        fisher = problem.fisher(full, _unseen(problem))
         steps = np.array([model.step(start, i, error) for i, error in enumerate(fisher.errors[:start.size])])
         turns -= 1
         if turns == 0 and fisher.more_particles > 1 and model.explore_more():
             turns = 1
     problem = replace(problem, surface=problem.surface.whole(model, model.particles))
     mu, _, _ = problem.mean(full)
-    fisher = problem.fisher(full, _unseen(problem, full))
+    fisher = problem.fisher(full, _unseen(problem))
     covariance, condition, degenerate, combined = analysis(fisher, full, (*names, *extra))
     errors = np.sqrt(np.diag(covariance))
     return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, errors, covariance, condition, degenerate,
@@ -110,10 +110,9 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
                     (*(experiment.written_unit(name.split("+")[0]) for name in names), *(None for _ in extra)))
 
 
-def _unseen(problem: Problem, values: np.ndarray) -> np.ndarray:
+def _unseen(problem: Problem) -> np.ndarray:
     """[n, r] Modes of a simulation without errors, but where it saw nothing."""
-    _, _, each = problem.mean(values)
-    return np.diag(np.sqrt(np.diag(problem.surface.covariance)) * each)[:, problem.surface.y <= 0]
+    return np.diag(UNSEEN * np.sqrt(np.diag(problem.surface.covariance)))[:, problem.surface.y <= 0]
 
 
 def _bent(names: Sequence[str], surface: Surface, errors: np.ndarray) -> tuple[str, ...]:

@@ -53,8 +53,8 @@ def held(problem: Problem, values: np.ndarray, errors: np.ndarray) -> tuple[Held
     surface = replace(problem.surface, noise=np.zeros_like(problem.surface.noise))  # a noisy slope weighs wrongly, but it is one
     for name in filter(lambda name: name not in problem.extra, OF_EXPOSURE):
         freed, start = replace(problem, surface=surface, extra=(*problem.extra, name)), np.append(values, problem.start(name, values))
-        mu, slopes, each = freed.mean(start)
-        fisher = freed.fisher(start, freed.modes(mu, each))
+        mu, slopes, _ = freed.mean(start)
+        fisher = freed.fisher(start, freed.modes(start))
         part = PART * mu.sum() / slopes[k].sum()
         moved, least = freed.least(start)
         found.append(Held(name, float(moved[k]), freed.least(start, [k])[1] - least,

@@ -36,8 +36,7 @@ class Profiles:
 
 def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere: bool) -> Profiles:
     """About the `values` [k] of a fit; of parameters that bend the curve and, with `everywhere`, of all."""
-    mu, _, each = problem.mean(values)
-    fisher = problem.fisher(values, problem.modes(mu, each))
+    fisher = problem.fisher(values, problem.modes(values))
     if not fisher.directions[2].all():
         return Profiles(((-1.0, 1.0),) * values.size, np.ones(values.size), None)
     errors, k = np.sqrt(np.diag(fisher.covariance)), len(model.names)

@@ -240,7 +240,7 @@ parts:
   - {name: s1, kind: slit, at: 0.05 m, width: 1 mm, height: 0.03 mm}
   - {name: mag, kind: gradient_magnet, at: 0.1 m, length: 3.5 cm, field: 1 T, gradient: 1500 T/m}
   - {name: wire, kind: detector, at: 0.3 m, width: 5 mm, height: 0.02 mm, bins: [1, 1]}
-particles: 20000
+particles: 30000
 seed: 3
 """)
     counts = measured(magnet, "wire.offset.z", np.linspace(-1, 1, 61) * 1e-3, "m", {"mag.gradient": 1400}, 2e4)
@@ -248,7 +248,7 @@ seed: 3
     few = fit_counts(magnet, replace(counts, counts=counts.counts + 8), free, intervals=False)
     assert all(direction.hidden for direction in few.degenerate) and few.wanted_particles > few.particles
     assert "mag.gradient  lost in the simulation's noise, held near 1" in str(few) and "degenerate" not in str(few)
-    assert "help: 20000 particles at each point may be too few to tell: try --particles " in str(few)
+    assert "help: 30000 particles at each point may be too few to tell: try --particles " in str(few)
     many = fit_counts(magnet.set(particles=300000), replace(counts, counts=counts.counts + 8), free, intervals=False)
     assert not many.degenerate and abs(many["mag.gradient"][0] - 1400) < 3.5 * many["mag.gradient"][1] < 150
 
