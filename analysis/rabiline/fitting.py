@@ -240,6 +240,8 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
         close = moves < FAR
         steps = np.array([model.step(values[:k], i, np.clip(fisher.errors[i], steps[i] / 10 if close[i] else steps[i], 10 * steps[i]))
                           for i in range(k)])
+    if k == 0:  # where the counts are far off, their weights go to and fro with a factor and a background that are found anyway
+        return values, problem
     raise NoFit("the fit does not come to rest: start nearer, or free fewer parameters")
 
 
