@@ -49,13 +49,13 @@ std::optional<Diagnostic> unit_behind_list(const Place& place) {
   const std::vector<std::string>& lines = place.text->lines;
   if (number >= lines.size() || at >= lines[number].size()) return std::nullopt;
   const std::string& line = lines[number];
-  std::size_t begin = line.find_last_of(" ]}", at);
-  if (begin == line.npos || begin == 0) return std::nullopt;
-  const std::size_t closed = line.find_last_not_of(' ', begin), end = line.find_first_of(" ,}", begin + 1);
-  if (line[closed] != ']') return std::nullopt;
-  begin = line.find_first_not_of(' ', closed + 1);
-  return Diagnostic{{place.text, place.line, static_cast<int>(begin) + 1,
-                     static_cast<int>(std::min(end, line.size()) - begin)},
+  const std::size_t closed = line.rfind(']', at);
+  if (closed == line.npos) return std::nullopt;
+  const std::size_t begin = line.find_first_not_of(' ', closed + 1);
+  if (begin > at || line.find_first_of("0123456789-+.\"'[{,}]", begin) == begin) return std::nullopt;
+  const std::size_t end = std::min(line.find_first_of(" ,}", begin), line.size());
+  if (end <= at) return std::nullopt;
+  return Diagnostic{{place.text, place.line, static_cast<int>(begin) + 1, static_cast<int>(end - begin)},
                     "this stands behind a list, to which it does not belong",
                     fmt::format("a unit stands with each of the numbers: `[1 {0}, 2 {0}]`",
                                 line.substr(begin, end - begin))};
