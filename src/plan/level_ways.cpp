@@ -147,6 +147,7 @@ class Roughness {
     for (const Passing& here : places) largest_ = std::max(largest_, here.size);
     last_ = places.back().rate;
     const double fine = bends_of(places, 1) / time, coarse = bends_of(places, 2) / (2 * time);
+    // Of steps twice as much on half as long a way; a section without any is taken for one, on the safe side.
     is_smooth_ = is_smooth_ && fine < 1.5 * coarse;
     bends_ += fine;
   }
