@@ -11,7 +11,9 @@
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "plan/period.hpp"
 #include "plan/zones.hpp"
+#include "spin/level_period.hpp"
 #include "spin/levels.hpp"
 #include "spin/rotating_frame.hpp"
 
@@ -113,8 +115,26 @@ double angular_frequency(const DriveTerm& drive, double speed) {
   return rate;
 }
 
+bool repeats(const Section& section, double length, const ZoneMaker& zones, const CoupledSpins& spins) {
+  constexpr double fewest_periods = 30, for_each = 5e-4, longest = 5;  // [s]
+  if (section.has_shaped_fields()) return false;
+  Section driven = section;
+  std::erase_if(driven.rotating, [](const RotatingTerm& term) { return term.amplitude == 0; });
+  if (std::ranges::any_of(driven.rotating, [](const RotatingTerm& term) {
+        return term.motion == FieldMotion::swings_in_rotating_wave && term.oscillator.frequency != 0;
+      }))
+    return false;
+  const SpinZone zone = zones.zone_of(driven);
+  if (!has_one_clock(zone)) return false;
+  double driving = 0;
+  for (int i = 0; i < zone.drives; ++i) driving += std::abs(zone.drive[i].spin_rate);
+  const double omega = zone.drive[0].omega, periods = length / zones.speed() * std::abs(omega) / two_pi;
+  return periods > fewest_periods && time_for_period(spins, length_of(section.field), driving, omega) <
+                                         std::min(for_each * periods, longest);
+}
+
 std::set<int> clocks_of_waves(const std::vector<Section>& sections, double from, double to,
-                              const ZoneMaker& zones, double periods) {
+                              const ZoneMaker& zones, const CoupledSpins& spins, double periods) {
   struct Clock {
     int part = 0;
     double frequency = 0, periods = 0;
@@ -124,6 +144,7 @@ std::set<int> clocks_of_waves(const std::vector<Section>& sections, double from,
   double whole = 0;
   for (const Section& section : sections) {
     const double length = std::min(section.end, to) - std::max(section.begin, from);
+    if (repeats(section, length, zones, spins)) continue;
     double fastest = 0;  // [Hz] of what swings
     for (const SwingingTerm& term : section.swinging) fastest = std::max(fastest, term.oscillator.frequency);
     whole += std::max(0.0, fastest * length / zones.speed());

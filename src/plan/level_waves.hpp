@@ -19,7 +19,10 @@ double angular_frequency(const DriveTerm&, double speed);
 /// rotating-wave approximation, as its name says; and of what turns, which has no such name, the highest
 /// frequencies as long as all that is whole has more than so many periods.
 std::set<int> clocks_of_waves(const std::vector<Section>&, double from, double to, const ZoneMaker&,
-                              double periods);
+                              const CoupledSpins&, double periods);
+/// Whether all that drives in a section does so as a whole field with one period, beside a uniform static
+/// one, and on a length [m] so long that LevelPeriod is worth its while.
+bool repeats(const Section&, double length, const ZoneMaker&, const CoupledSpins&);
 
 /// What whole fields that move do beside such drives.
 struct MovingFields {

@@ -10,6 +10,9 @@
 
 namespace rabiline {
 
+/// [m] Where parts touch, rounding may leave a section of this length between them.
+inline constexpr double no_length = 1e-12;
+
 /// Whether a field needs one, however weak.
 bool needs_way(const Section&);
 /// Between two places, where any field on the way needs it, or fields along +z and against it meet.
@@ -22,7 +25,8 @@ bool needs_way(const std::vector<Section>&, double from, double to);
 /// +z that begins where they are asked for.
 LevelFields level_fields(const Beamline&, const Species&, const std::vector<Section>&, double from, double to,
                          double behind = 0);
-/// Periods of the fastest of the drives in a section that are followed as whole fields, at a speed [m/s].
+/// Periods of the fastest of the drives in a section that are followed in steps as whole fields, at a speed
+/// [m/s].
 double cycles_in(const CourseSection&, double speed);
 
 /// With more than this in all, fields that turn are taken in the rotating-wave approximation, those of the

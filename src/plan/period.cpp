@@ -28,16 +28,6 @@ Quaternion turn_by(const Vector3& rotation) {
   return {portable::cos(angle / 2), (angle > 0 ? portable::sin(angle / 2) / angle : 0.5) * rotation};
 }
 
-bool repeats(const SpinZone& zone) {
-  const DriveTerm& clock = zone.drive[0];
-  if (zone.kind != ZoneKind::general || clock.omega == 0) return false;
-  return std::all_of(zone.drive, zone.drive + zone.drives, [&](const DriveTerm& drive) {
-    return drive.omega == clock.omega && drive.oscillator == clock.oscillator &&
-           (drive.oscillator < 0 || drive.random_turn == clock.random_turn) && drive.twist == 0 &&
-           drive.envelope.shape == Shape::rectangular && !is_shaped_otherwise(drive);
-  });
-}
-
 Vector3 axis_at(const double* v) { return {v[0], v[1], v[2]}; }
 
 /// The angular velocity of the spin [rad/s] at an angle of the clock.
@@ -63,9 +53,19 @@ Quaternion step(const SpinZone& zone, double angle, double time) {
 
 }  // namespace
 
+bool has_one_clock(const SpinZone& zone) {
+  const DriveTerm& clock = zone.drive[0];
+  if (zone.drives == 0 || clock.omega == 0) return false;
+  return std::all_of(zone.drive, zone.drive + zone.drives, [&](const DriveTerm& drive) {
+    return drive.omega == clock.omega && drive.oscillator == clock.oscillator &&
+           (drive.oscillator < 0 || drive.random_turn == clock.random_turn) && drive.twist == 0 &&
+           drive.envelope.shape == Shape::rectangular && !is_shaped_otherwise(drive);
+  });
+}
+
 void repeat_period(SpinZone& zone, double speed) {
   constexpr double fewest_periods = 4, left_out = 1e-11;
-  if (!repeats(zone)) return;
+  if (zone.kind != ZoneKind::general || !has_one_clock(zone)) return;
   const double omega = zone.drive[0].omega, period = two_pi / std::abs(omega);
   if ((zone.end - zone.begin) / speed < fewest_periods * period) return;
   double fastest = std::abs(zone.spin_rate);

@@ -79,7 +79,7 @@ const MomentTable& SampledTables::moments(const Structure& structure) {
 const LevelWay& SampledTables::way(const Structure& structure, const LevelFields& fields) {
   const CoupledSpins spins = coupled_spins(structure);
   const std::vector<int> manifolds = manifolds_of(spins, fields.apart);
-  const bool driven = !fields.waves.empty();
+  const bool driven = fields.need_pairs();
   auto made = std::ranges::find_if(manifolds_, [&](const Manifolds& m) {
     return m.structure == structure && m.of == manifolds && m.driven == driven;
   });

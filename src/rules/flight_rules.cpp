@@ -275,7 +275,8 @@ Fault fault_of_cycles(const Beamline& beamline, const Species& atom, const Level
                  "make it slower or shorter, or drive by an `oscillating_field`, which may be taken in the "
                  "rotating-wave approximation");
   }
-  return fault(drive_at(beamline, section), "approximation", "write `approximation: rotating_wave`");
+  return fault(drive_at(beamline, section), "approximation",
+               "write `approximation: rotating_wave`, or give it one size and a uniform static field");
 }
 
 /// Where fields are followed in steps, each period takes many; and a frame has one frequency.
@@ -288,10 +289,7 @@ void check_cycles(const Beamline& beamline, const Species& atom, const Sections&
     const LevelFields fields = level_fields(beamline, atom, sections.sections, known, plane.y);
     double cycles = 0;
     for (const CourseSection& section : fields.sections) cycles += cycles_in(section, zones.speed());
-    if (cycles > most_cycles) {
-      out.push_back(fault_of_cycles(beamline, atom, fields, cycles));
-      return;
-    }
+    if (cycles > most_cycles) return out.push_back(fault_of_cycles(beamline, atom, fields, cycles));
     for (const CourseSection& section : fields.sections) {
       if (section.wave < 0) continue;
       const WaveFields& wave = fields.waves[static_cast<std::size_t>(section.wave)];

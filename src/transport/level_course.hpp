@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "field/shaped_term.hpp"
-#include "spin/level_table.hpp"
+#include "spin/level_period.hpp"
 #include "transport/kernels.hpp"
 
 namespace rabiline {
@@ -17,6 +17,7 @@ struct CourseSection {
   double fastest = 0;                    // [rad/s] of what drives there as a whole field; 0: nothing does
   bool has_courses = false;              // that fields go through in time
   int wave = -1;           // of the course's: what drives there in the rotating-wave approximation
+  int period = -1;         // of the course's, where whole fields drive that have one
   bool is_pulsed = false;  // by any of its drives, at times of the clock
   bool operator==(const CourseSection&) const = default;
 
@@ -60,6 +61,16 @@ struct LevelWave {
   const double* rate = nullptr;  // [level] [rad/s] amplitudes have exp(i rate t)
 };
 
+/// LevelPeriod of a section, as kernels see it.
+struct LevelPeriodForm {
+  double third[3] = {0, 0, 1}, first[3] = {1, 0, 0};  // axes of its levels
+  int first_harmonic = 0, harmonics = 0;
+  const int* end = nullptr;  // [harmonic] of its terms
+  const LevelPeriod::Term* term = nullptr;
+  const double *photons = nullptr, *rate = nullptr;  // [level]
+  const double* quasi = nullptr;                     // [mode]
+};
+
 /// From where levels are known to where they are asked for. At both ends they are those of the static field
 /// there, or in no field those along +z; between fields they stay as if a weak field kept its direction.
 /// Where one static field ends and another begins, levels keep their names in the frame of the old direction,
@@ -72,6 +83,7 @@ struct LevelCourse {
   int count = 0;
   const ShapedTerm* shaped = nullptr;
   const LevelWave* waves = nullptr;
+  const LevelPeriodForm* periods = nullptr;
   bool begins_in_field = false, ends_in_field = false;
   double behind = 0;        // [T] of a field along +z that begins where the last one ends
   double tolerance = 1e-6;  // of probabilities

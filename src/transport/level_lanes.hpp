@@ -11,6 +11,7 @@
 // S_kl = V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
 #include "transport/level_jump_lanes.hpp"
 #include "transport/level_path_lanes.hpp"
+#include "transport/level_period_lanes.hpp"
 #include "transport/level_phase_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -257,6 +258,14 @@ class LevelFlight {
       axes_.third = select(back, times(broadcast(-1), axes_.third), axes_.third);
     } else {
       meet(entry, touches ? min(abs(size_), entry.size) : broadcast(0), counted);
+    }
+    if (section.period >= 0) {
+      const LevelPeriodForm& modes = course_.periods[section.period];
+      const real apart = face_modes(f_, modes, dot(still, axes_.third), axes_, a);
+      repeat_periods(f_, modes, section.field.drive[0].omega, path_.phase(), path_.clock(begin),
+                     path_.clock(end), apart, a);
+      size_ = dot(still, axes_.third);
+      return;
     }
     if (section.moves()) {
       const FieldAtTime driven = path_.field_at(section, begin);

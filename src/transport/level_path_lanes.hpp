@@ -41,6 +41,8 @@ class LevelPath {
     until_ = select(lanes, until, until_);
     return until;
   }
+  /// Of its first drive, at t = 0.
+  inline real phase() const { return phases_[0]; }
   /// Whether any of its whole fields drives, as they are switched now.
   inline mask is_driven(const CourseSection& section) const {
     mask on{};

@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <complex>
 #include <cstdlib>
 #include <numbers>
 #include <optional>
+#include <span>
 
+#include "core/portable_math.hpp"
 #include "core/units.hpp"
+#include "core/vector3.hpp"
 #include "transport/cost.hpp"
 
 namespace rabiline {
@@ -53,6 +57,28 @@ std::vector<TwoPhotonPath> paths_of(const TwoPhotons& pair, int coupling, const 
       const auto to = leg_between(all, upper, by, last), from = leg_between(all, by, lower, first);
       if (to && from) out.push_back({coupling, by, *to, *from, 1.0 * last, 1.0 * first});
     }
+  return out;
+}
+
+/// The fields of a section that has a period, and the axes of its levels.
+PeriodicField periodic_field(const SpinZone& zone, LevelPeriodForm& axes) {
+  const Vector3 uniform = zone.spin_rate * (zone.turned ? Vector3{zone.frame[6], zone.frame[7], zone.frame[8]}
+                                                        : Vector3{0, 0, 1});
+  PeriodicField out{length_of(uniform), zone.drive[0].omega};
+  const Vector3 third = out.field > 0 ? (1 / out.field) * uniform : Vector3{0, 0, 1},
+                first = some_normal(third), axis[3] = {first, cross(third, first), third};
+  for (int i = 0; i < 3; ++i) {
+    axes.third[i] = (&third.x)[i];
+    axes.first[i] = (&first.x)[i];
+  }
+  for (const DriveTerm& drive : std::span(zone.drive, static_cast<std::size_t>(zone.drives))) {
+    const double ahead = drive.phase - zone.drive[0].phase;
+    const std::complex<double> phase(portable::cos(ahead), portable::sin(ahead));
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto along = [&](const double* v) { return dot(axis[i], {v[0], v[1], v[2]}); };
+      out.c[i] += drive.spin_rate * phase * std::complex<double>(along(drive.first), -along(drive.second));
+    }
+  }
   return out;
 }
 
@@ -123,6 +149,22 @@ LevelWay::LevelWay(LevelFields fields, std::shared_ptr<const LevelTable> table)
     wave_views_.push_back(waves_.back().view());
     wave_views_.back().omega = omega;
   }
+  for (const CourseSection& section : fields_.sections) {
+    if (section.period < 0) continue;
+    LevelPeriodForm& form = period_views_.emplace_back();
+    periods_.emplace_back(table_->manifolds().front(), periodic_field(section.field, form));
+  }
+  for (std::size_t i = 0; i < periods_.size(); ++i) {
+    const LevelPeriod& period = periods_[i];
+    LevelPeriodForm& form = period_views_[i];
+    form.first_harmonic = period.first();
+    form.harmonics = static_cast<int>(period.ends().size());
+    form.end = period.ends().data();
+    form.term = period.terms().data();
+    form.photons = period.photons().data();
+    form.rate = period.rate().data();
+    form.quasi = period.quasi().data();
+  }
   course_.manifolds = table_->manifolds().data();
   course_.manifold_of = table_->manifold_of().data();
   course_.place_of = table_->place_of().data();
@@ -130,6 +172,7 @@ LevelWay::LevelWay(LevelFields fields, std::shared_ptr<const LevelTable> table)
   course_.count = static_cast<int>(fields_.sections.size());
   course_.shaped = fields_.shaped.data();
   course_.waves = wave_views_.data();
+  course_.periods = period_views_.data();
   course_.begins_in_field = fields_.begins_in_field;
   course_.ends_in_field = fields_.ends_in_field;
   course_.behind = fields_.behind;
@@ -172,6 +215,8 @@ std::string describe(const LevelWay& way) {
         "; {} in the rotating-wave approximation, whose rest shifts levels and would have amplitudes "
         "up to {:.2g}",
         waves, neglected);
+  const bool has_periods =
+      std::ranges::any_of(fields.sections, [](const CourseSection& s) { return s.period >= 0; });
   std::string_view along_z;
   if (fields.begins_too_weak)
     along_z = fields.ends_too_weak ? "where it begins and where it ends" : "where it begins";
@@ -179,9 +224,10 @@ std::string describe(const LevelWay& way) {
     along_z = "where it ends";
   return fmt::format(
       "coherent through {}fields of any direction from {:.4g} to {:.4g} m, by their amplitudes in "
-      "steps to {:.2g}{}{}{}",
+      "steps to {:.2g}{}{}{}{}",
       waves.empty() ? "whole " : "", fields.sections.front().field.begin, fields.sections.back().field.end,
-      fields.tolerance, way.table().are_parted() ? "; F far apart exchange nothing" : "", waves,
+      fields.tolerance, has_periods ? ", and by the modes of one period where what drives has one" : "",
+      way.table().are_parted() ? "; F far apart exchange nothing" : "", waves,
       along_z.empty()
           ? ""
           : fmt::format("; {} the field is too weak to turn spins, and levels are those along z", along_z));

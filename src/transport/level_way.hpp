@@ -1,11 +1,13 @@
 #pragma once
 // Fields of any direction and shape that an atom passes from where its levels are known to where they are
 // asked for.
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "spin/level_period.hpp"
 #include "spin/wave_frame.hpp"
 #include "transport/level_course.hpp"
 
@@ -30,6 +32,12 @@ struct LevelFields {
   double tolerance = 1e-6;
   double apart = 0;  // [Hz] F whose zero-field energies differ by more exchange nothing but by waves
   bool operator==(const LevelFields&) const = default;
+
+  /// Whether anything drives in a frame of its own, between all levels.
+  bool need_pairs() const {
+    return !waves.empty() ||
+           std::ranges::any_of(sections, [](const CourseSection& s) { return s.period >= 0; });
+  }
 };
 
 /// With the tables that it is flown by; stays where it is, since kernels see pointers.
@@ -59,6 +67,8 @@ class LevelWay {
   };
   std::vector<Wave> waves_;
   std::vector<LevelWave> wave_views_;
+  std::vector<LevelPeriod> periods_;
+  std::vector<LevelPeriodForm> period_views_;
   LevelCourse course_;
 };
 

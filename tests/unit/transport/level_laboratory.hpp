@@ -84,7 +84,7 @@ inline std::shared_ptr<const LevelTable> table_of(const Flight& f) {
   static std::vector<std::tuple<CoupledSpins, std::vector<int>, bool, std::shared_ptr<const LevelTable>>>
       made;
   const std::vector<int> manifolds = manifolds_of(f.spins, f.apart);
-  const bool driven = !f.fields.waves.empty();
+  const bool driven = f.fields.need_pairs();
   for (const auto& [spins, of, is_driven, table] : made)
     if (spins == f.spins && of == manifolds && is_driven == driven) return table;
   return std::get<3>(made.emplace_back(f.spins, manifolds, driven,
