@@ -35,9 +35,7 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
   const std::vector<Transition> near = transitions_near(structure, zone);
   const Eigen::VectorXd shifts = shifts_of(structure, zone);
   if (near.empty()) out.emplace_back("    no transition turns with it");
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    const Transition& t = near[i];
-    if (i >= least && !(all && std::abs(t.detuning) <= 100 * width)) break;
+  const auto tell = [&](const Transition& t, std::string_view how) {
     std::string flips;
     if (const double rate = portable::hypot(t.rabi, t.detuning);
         zone.drive->envelope.shape == Shape::rectangular && !is_pulsed(zone) && rate > 0)
@@ -47,10 +45,15 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
     const std::string shift = by == 0 ? ""
                                       : fmt::format("; what turns otherwise shifts it by {}",
                                                     pretty_quantity(by, Dimension::frequency));
-    out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}{}", name_of(structure, t),
-                              megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
+    out.push_back(fmt::format("    {} {}at {}, detuned by {}, Rabi frequency {}{}{}", name_of(structure, t),
+                              how, megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
                               pretty_quantity(t.rabi, Dimension::frequency), flips, shift));
+  };
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (i >= least && !(all && std::abs(near[i].detuning) <= 100 * width)) break;
+    tell(near[i], "");
   }
+  for (const Transition& t : transitions_of_two_photons(structure, zone, width)) tell(t, "by two photons ");
 }
 
 const std::string& name_of(int part, const Beamline& beamline) {

@@ -38,6 +38,42 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
   return out;
 }
 
+std::vector<Transition> transitions_of_two_photons(const Structure& structure, const LevelZone& zone,
+                                                   double width) {
+  const CoupledSpins spins = coupled_spins(structure);
+  const Levels levels = levels_at(spins, zone.field);
+  const DrivenStates states = driven_states(spins, levels, *zone.drive);
+  const int sense = sense_of(*zone.drive);
+  const double frequency = zone.drive->oscillator.frequency;
+  // The amplitude with which `to` takes up a photon from `from`.
+  const auto up = [&](int to, int from) {
+    const int change = levels.labels[static_cast<std::size_t>(to)].twice_m -
+                       levels.labels[static_cast<std::size_t>(from)].twice_m;
+    if (sense != 0) return change == 2 * sense ? states.coupling(to, from) : 0;
+    return states.coupling(to, from) / 2;
+  };
+  std::vector<Transition> out;
+  for (int i = 0; i < spins.levels(); ++i)
+    for (int k = 0; k < spins.levels(); ++k) {
+      const double apart = states.energy(i) - states.energy(k), detuning = 2 * frequency - apart;
+      if (i == k || apart <= 0) continue;
+      double both = 0;
+      bool is_by_one = false;  // after the other
+      for (int by = 0; by < spins.levels(); ++by) {
+        const double product = up(i, by) * up(by, k), off = states.energy(k) + frequency - states.energy(by);
+        if (product == 0) continue;
+        const double strongest = std::max(std::abs(up(i, by)), std::abs(up(by, k)));
+        is_by_one = is_by_one || std::abs(off) <= 10 * (width + 2 * strongest);
+        both += product / off;
+      }
+      const double rabi = 2 * std::abs(both);
+      if (!is_by_one && rabi > 0.01 * width && std::abs(detuning) <= 100 * (width + rabi))
+        out.push_back({i, k, apart, detuning, rabi});
+    }
+  std::ranges::stable_sort(out, {}, [](const Transition& t) { return std::abs(t.detuning); });
+  return out;
+}
+
 Eigen::VectorXd shifts_of(const Structure& structure, const LevelZone& zone) {
   const CoupledSpins spins = coupled_spins(structure);
   const Levels levels = levels_at(spins, zone.field);

@@ -16,6 +16,9 @@ struct Transition {
 };
 /// Those that the direction of a field and its sense allow, the nearest first.
 std::vector<Transition> transitions_near(const Structure&, const LevelZone&);
+/// Those that two photons of it drive by way of levels far from either, within 100 of a width [Hz] and as
+/// strong as a hundredth of it; detuning is that of both photons.
+std::vector<Transition> transitions_of_two_photons(const Structure&, const LevelZone&, double width);
 /// "F=4 m=0 - F=3 m=0".
 std::string name_of(const Structure&, const Transition&);
 

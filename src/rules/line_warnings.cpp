@@ -76,6 +76,7 @@ class DrivingField {
  public:
   void look_at(int component, const Driven& driven, const LevelZone& zone, const std::vector<Transition>& all,
                double width) {
+    is_useful_ = is_useful_ || !transitions_of_two_photons(driven.structure, zone, width).empty();
     for (const Transition& t : all) {
       Line& line = lines_[{component, t.upper, t.lower}];
       const double strength = std::max(width, t.rabi);

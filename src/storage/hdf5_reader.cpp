@@ -138,11 +138,14 @@ Kind kind_of(Handle type, Handle space, const std::string& where) {
 
 /// Called by HDF5 for each attribute in the order of their names.
 struct Attributed {
-  std::string where, bytes, refusal{};
+  std::string where;
+  std::span<const std::string_view> but;
+  std::string bytes{}, refusal{};
 };
 herr_t add_attribute(hid_t object, const char* name, const H5A_info_t*, void* data) {
   constexpr std::size_t most = 1 << 16;
   Attributed& all = *static_cast<Attributed*>(data);
+  if (std::ranges::find(all.but, name) != all.but.end()) return 0;
   const std::string where = fmt::format("{}, attribute {}", all.where, name);
   try {
     const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, where);
@@ -205,10 +208,10 @@ bool FileReader::contains(const std::string& name) const {
   return true;
 }
 
-std::string FileReader::everything(const std::string& name) const {
+std::string FileReader::everything(const std::string& name, std::span<const std::string_view> but) const {
   const std::string place = where(name);
   const Handle object(H5Oopen(file_.id(), name.c_str(), H5P_DEFAULT), H5Oclose, place);
-  Attributed attributes{place, {}};
+  Attributed attributes{place, but};
   const herr_t iterated =
       H5Aiterate2(object.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, add_attribute, &attributes);
   if (!attributes.refusal.empty()) throw StorageError(attributes.refusal);

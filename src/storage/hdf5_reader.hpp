@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "storage/hdf5_handles.hpp"
@@ -37,8 +38,9 @@ class FileReader {
   /// The paths of all groups and datasets, without the slash before them, sorted.
   const std::vector<std::string>& names() const { return names_; }
   /// What is under a name, as bytes: whether it is a group, its attributes, and of a dataset the type, the
-  /// shape and the values. Throws StorageError where that is nothing that this program writes.
-  std::string everything(const std::string& name) const;
+  /// shape and the values. Throws StorageError where that is nothing that this program writes. `but`: names
+  /// of attributes that do not count.
+  std::string everything(const std::string& name, std::span<const std::string_view> but = {}) const;
   /// Of the whole file, by its seal.
   const std::string& digest() const { return digest_; }
 

@@ -144,7 +144,7 @@ def test_edges_between_points_are_known_no_better_than_the_points_are_apart(meas
         assert found.centre.error < 0.75 * 500 / np.sqrt(12) or measure is fitted
         pulls.append((found.centre.value - CENTRE) / found.centre.error)
     if edge < 500:
-        assert np.std(pulls) > 0.3  # and the error is no larger than it has to be
+        assert np.std(pulls) > 0.2  # and the error is no larger than it has to be; which fits stand on an edge, rounding decides
 
 
 def test_a_finer_grid_makes_the_error_statistical() -> None:

@@ -235,6 +235,7 @@ TEST(ResultsFile, IsFoundOutWhereItWasForged) {
     return differing(folder / "b.h5", image_of(result));
   };
   EXPECT_THAT(forged([](hid_t) {}), IsEmpty());
+  EXPECT_THAT(forged([](hid_t file) { H5Adelete(file, "format_version"); }), ElementsAre("/"));
   EXPECT_THAT(forged([](hid_t file) {
                 const hid_t dataset = H5Dopen2(file, "entry/scan/detected", H5P_DEFAULT);
                 const double values[3] = {0.1, 0.2, 0.3};
