@@ -86,9 +86,9 @@ def test_spins_close_to_a_zero_of_the_field_are_lost_as_landau_and_zener_say(run
 
 @pytest.mark.experiment("neutron-ramsey-map")
 def test_fringes_in_a_mapped_field_stand_at_its_mean_along_the_falling_path(run):
-    falling = run("neutron-ramsey-map")
+    falling = run("neutron-ramsey-map", "--particles", "100")
     x, here = falling["entry/scan/RF1_frequency"][:], falling["entry/screen_levels/levels"][:, 1]
-    straight = run("neutron-ramsey-map", "--set", "gravity=0 m/s^2")["entry/screen_levels/levels"][:, 1]
+    straight = run("neutron-ramsey-map", "--particles", "100", "--set", "gravity=0 m/s^2")["entry/screen_levels/levels"][:, 1]
     slope = np.gradient(straight, x)
     inner = slice(1, -1)
     shift = -np.sum(((here - straight) * slope)[inner]) / np.sum((slope**2)[inner])

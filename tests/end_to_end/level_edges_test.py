@@ -241,7 +241,7 @@ def test_levels_keep_their_names_at_faces_that_are_met_aslant(tmp_path: Path, ti
     assert "off by" not in rabiline("run", tmp_path / "levels.yaml", "-o", tmp_path / "again.h5").stderr
 
 
-@pytest.mark.parametrize("seed", [3005, 3088, 3097, 3195])
+@pytest.mark.parametrize("seed", [3088, 3097, 3195])
 def test_steps_see_what_passes_between_their_points(seed: int) -> None:
     """3.8e-5 where steps passed by a coil's zero, 9e-6 where one ended in the last cell of a map that falls to nothing, 1.7e-6 where the
     slope of a map was taken from points in a few of its cells, 3e-6 where F of a large moment exchange amplitudes."""

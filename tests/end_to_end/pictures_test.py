@@ -113,11 +113,11 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
         return {"motion": pictures.plot_of(opened, "motion", {"title": LONG})}
     kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
     eight, six = (",".join(map(str, np.unique(np.linspace(0, len(opened.laws) - 1, most).astype(int)))) for most in (8, 6))
-    kinds += [("profiles", {"points": "0,1"})]
     size = ({}, {"size": MM["small"]})[NAMES.index(name) % 2]
-    kinds += [("profiles", {"points": eight, **size})]
+    if len(opened.laws) > 1:
+        kinds += [("profiles", {"points": "0,1"}), ("profiles", {"points": eight, **size})]
     small = [("profiles", {"points": "0"}), *((kind, {}) for kind in ("scan", "levels", "image", "transit"))]
-    kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
+    kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")[:len(opened.laws)]]
     kinds += [("tally", {"name": tally, "points": six, "axes": own.axes[0].name, **size}) for tally, own in opened.tallies.items()]
     tries = [[each] for each in kinds]
     tries += [[(kind, {**options, "size": size}) for size in (MM["small"], MM["column"])] for kind, options in small[NAMES.index(name) % 3::3]]
