@@ -149,22 +149,7 @@ LevelWay::LevelWay(LevelFields fields, std::shared_ptr<const LevelTable> table)
     wave_views_.push_back(waves_.back().view());
     wave_views_.back().omega = omega;
   }
-  for (const CourseSection& section : fields_.sections) {
-    if (section.period < 0) continue;
-    LevelPeriodForm& form = period_views_.emplace_back();
-    periods_.emplace_back(table_->manifolds().front(), periodic_field(section.field, form));
-  }
-  for (std::size_t i = 0; i < periods_.size(); ++i) {
-    const LevelPeriod& period = periods_[i];
-    LevelPeriodForm& form = period_views_[i];
-    form.first_harmonic = period.first();
-    form.harmonics = static_cast<int>(period.ends().size());
-    form.end = period.ends().data();
-    form.term = period.terms().data();
-    form.photons = period.photons().data();
-    form.rate = period.rate().data();
-    form.quasi = period.quasi().data();
-  }
+  work_out_periods();
   course_.manifolds = table_->manifolds().data();
   course_.manifold_of = table_->manifold_of().data();
   course_.place_of = table_->place_of().data();
@@ -177,6 +162,34 @@ LevelWay::LevelWay(LevelFields fields, std::shared_ptr<const LevelTable> table)
   course_.ends_in_field = fields_.ends_in_field;
   course_.behind = fields_.behind;
   course_.tolerance = 0.1 * fields_.tolerance;  // errors of steps add up
+}
+
+/// Zones that are alike have the same one.
+void LevelWay::work_out_periods() {
+  std::vector<PeriodicField> known;
+  std::vector<std::size_t> number;
+  for (const CourseSection& section : fields_.sections) {
+    if (section.period < 0) continue;
+    const PeriodicField field = periodic_field(section.field, period_views_.emplace_back());
+    const auto same = std::ranges::find_if(known, [&](const PeriodicField& other) {
+      return other.field == field.field && other.omega == field.omega && other.c == field.c;
+    });
+    number.push_back(static_cast<std::size_t>(same - known.begin()));
+    if (same != known.end()) continue;
+    known.push_back(field);
+    periods_.emplace_back(table_->manifolds().front(), field);
+  }
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    const LevelPeriod& period = periods_[number[i]];
+    LevelPeriodForm& form = period_views_[i];
+    form.first_harmonic = period.first();
+    form.harmonics = static_cast<int>(period.ends().size());
+    form.end = period.ends().data();
+    form.term = period.terms().data();
+    form.photons = period.photons().data();
+    form.rate = period.rate().data();
+    form.quasi = period.quasi().data();
+  }
 }
 
 std::uint64_t LevelWay::reachable_from(int level) const {

@@ -67,6 +67,7 @@ class LevelWay {
   };
   std::vector<Wave> waves_;
   std::vector<LevelWave> wave_views_;
+  void work_out_periods();
   std::vector<LevelPeriod> periods_;
   std::vector<LevelPeriodForm> period_views_;
   LevelCourse course_;

@@ -9,19 +9,7 @@
 
 namespace rabiline {
 
-namespace {
-
-constexpr std::size_t at_wall = 0, backwards = 1, circling = 2, out_of_map = 3;  // sums
-
-std::size_t sum_of(std::uint64_t end) {
-  if (end == region_end::backwards) return backwards;
-  if (end == region_end::gave_up) return circling;
-  return end == region_end::left_map ? out_of_map : at_wall;
-}
-
-}  // namespace
-
-std::size_t SortingField::sums() const { return 4; }
+std::size_t SortingField::sums() const { return 1; }
 void SortingField::pass(StageContext& context) const {
   BatchView& batch = context.batch.view();
   kernel::turn(context.isa)(view_of(region, context.key), batch, context.recorder);
@@ -43,16 +31,11 @@ void SortingField::pass(StageContext& context) const {
         continue;
       }
     }
-    context.sums[sum_of(end)] += batch.weight[i];
+    context.sums[0] += batch.weight[i];
     batch.flying[i] = 0;
   }
 }
-void SortingField::list_sums(SumSink& sink) const {
-  sink.fate(fate::stopped, part, at_wall);
-  sink.fate(fate::left_backwards, no_part, backwards);
-  sink.fate(fate::gave_up, no_part, circling);
-  sink.fate(fate::left_map, no_part, out_of_map);
-}
+void SortingField::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
 std::vector<WallStop> SortingField::stops_of_others() const {
   std::vector<WallStop> stops;
   const double end = region.zones.back().field.end;

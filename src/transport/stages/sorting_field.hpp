@@ -9,7 +9,7 @@
 namespace rabiline {
 
 /// Each particle stays in its level along the field and is pushed by mu grad |B|. What does not come through
-/// ends there; what has met the wall of another part flies on with its mark.
+/// is stopped; what has met the wall of another part flies on with its mark.
 struct SortingField {
   TurningRegion region;                     // whose coupling follows levels; without edges and sights
   int part = 0;                             // whose field it is
