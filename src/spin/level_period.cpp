@@ -204,7 +204,7 @@ std::optional<Modes> modes_of(const Hamiltonian& h, const std::vector<double>& p
 /// by their square, and the largest that is left of it.
 double refine(const Hamiltonian& h, const std::vector<double>& photons, Modes& modes) {
   const Eigen::Index levels = h.energy.size();
-  const int samples = static_cast<int>(modes.harmonic.size());
+  const int samples = static_cast<int>(modes.harmonic.size()), middle = samples / 2;
   std::vector<MatrixXcd> by_h;
   const auto part = [&](int n, Eigen::Index j, Eigen::Index k) {
     return n < 0 || n >= samples ? Complex() : modes.harmonic[static_cast<std::size_t>(n)](j, k);
@@ -212,7 +212,7 @@ double refine(const Hamiltonian& h, const std::vector<double>& photons, Modes& m
   for (int n = 0; n < samples; ++n) {
     MatrixXcd sum(levels, levels);
     for (Eigen::Index j = 0; j < levels; ++j) {
-      const double own = h.energy(j) + (n - samples / 2 - photons[static_cast<std::size_t>(j)]) * h.omega;
+      const double own = h.energy(j) + (n - middle - photons[static_cast<std::size_t>(j)]) * h.omega;
       sum.row(j) = own * modes.harmonic[static_cast<std::size_t>(n)].row(j);
       for (Eigen::Index l = 0; l < levels; ++l) {
         const int ahead =
@@ -254,7 +254,7 @@ LevelPeriod::LevelPeriod(const LevelManifold& f, const PeriodicField& at) {
   int samples = fewest_samples;
   // Levels of different photons exchange some.
   const auto [low, high] = std::ranges::minmax(photons_);
-  while (samples <= most_samples && 3 * samples / 8 < high - low + 16) samples *= 2;
+  while (samples <= most_samples && 3 * samples < 8 * (high - low + 16)) samples *= 2;
   for (; !modes && samples <= most_samples; samples *= 2) modes = modes_of(h, photons_, samples);
   constexpr double most_left = 1e-9;
   if (!modes || !(refine(h, photons_, *modes) < most_left * h.radius())) return;
