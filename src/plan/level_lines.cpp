@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -45,31 +46,27 @@ std::vector<Transition> transitions_of_two_photons(const Structure& structure, c
   const DrivenStates states = driven_states(spins, levels, *zone.drive);
   const int sense = sense_of(*zone.drive);
   const double frequency = zone.drive->oscillator.frequency;
-  // The amplitude with which `to` takes up a photon from `from`.
-  const auto up = [&](int to, int from) {
-    const int change = levels.labels[static_cast<std::size_t>(to)].twice_m -
-                       levels.labels[static_cast<std::size_t>(from)].twice_m;
-    if (sense != 0) return change == 2 * sense ? states.coupling(to, from) : 0;
-    return states.coupling(to, from) / 2;
-  };
+  Eigen::MatrixXd up = (sense == 0 ? 0.5 : 1) * states.coupling;
+  for (int to = 0; sense != 0 && to < spins.levels(); ++to)
+    for (int from = 0; from < spins.levels(); ++from)
+      if (levels.labels[static_cast<std::size_t>(to)].twice_m -
+              levels.labels[static_cast<std::size_t>(from)].twice_m !=
+          2 * sense)
+        up(to, from) = 0;
   std::vector<Transition> out;
-  for (int i = 0; i < spins.levels(); ++i)
-    for (int k = 0; k < spins.levels(); ++k) {
-      const double apart = states.energy(i) - states.energy(k), detuning = 2 * frequency - apart;
-      if (i == k || apart <= 0) continue;
-      double both = 0;
-      bool is_by_one = false;  // after the other
-      for (int by = 0; by < spins.levels(); ++by) {
-        const double product = up(i, by) * up(by, k), off = states.energy(k) + frequency - states.energy(by);
-        if (product == 0) continue;
-        const double strongest = std::max(std::abs(up(i, by)), std::abs(up(by, k)));
-        is_by_one = is_by_one || std::abs(off) <= 10 * (width + 2 * strongest);
-        both += product / off;
-      }
-      const double rabi = 2 * std::abs(both);
-      if (!is_by_one && rabi > 0.01 * width && std::abs(detuning) <= 100 * (width + rabi))
-        out.push_back({i, k, apart, detuning, rabi});
+  for (const CoupledPair& pair : pairs_of_two_photons(states.energy, std::span(&up, 1), frequency)) {
+    const double apart = states.energy(pair.upper) - states.energy(pair.lower), rabi = 2 * pair.coupling,
+                 detuning = 2 * frequency - apart;
+    bool is_by_one = false;  // after the other
+    for (int by = 0; by < spins.levels(); ++by) {
+      const double first = std::abs(up(by, pair.lower)), last = std::abs(up(pair.upper, by)),
+                   off = states.energy(pair.lower) + frequency - states.energy(by);
+      is_by_one =
+          is_by_one || (first * last != 0 && std::abs(off) <= 10 * (width + 2 * std::max(first, last)));
     }
+    if (!is_by_one && rabi > 0.01 * width && std::abs(detuning) <= 100 * (width + rabi))
+      out.push_back({pair.upper, pair.lower, apart, detuning, rabi});
+  }
   std::ranges::stable_sort(out, {}, [](const Transition& t) { return std::abs(t.detuning); });
   return out;
 }

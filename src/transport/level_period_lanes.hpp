@@ -28,42 +28,38 @@ namespace rabiline::RABILINE_ISA {
 [[gnu::noinline]] inline void repeat_periods(const LevelManifold& f, const LevelPeriodForm& modes,
                                              double omega, real phase, real begin, real end, real apart,
                                              Amplitudes& a) {
-  const auto change = [&](real t, double sign, Amplitudes& b) {
+  using Term = LevelPeriod::Term;
+  const auto turn = [&](real t, double sign) {
     for (int k = 0; k < f.levels; ++k)
       turn_back(
           sign * fma(broadcast(modes.rate[k]), t, fma(broadcast(f.m[k]), apart, -(modes.photons[k] * phase))),
-          k, b);
+          k, a);
   };
-  // Calls act(term, exp(i n angle)) for all terms.
-  const auto for_each_term = [&](real t, const auto& act) {
+  // Of levels (sign -1) or modes at the time t what they are in the other ones.
+  const auto changed = [&](real t, double sign, int Term::*from, int Term::*to, const Amplitudes& b) {
     const real angle = fma(broadcast(omega), t, phase);
     const Phasor each = phasor(angle);
     Phasor p = phasor(modes.first_harmonic * angle);
+    Amplitudes out;
+    for (int k = 0; k < f.levels; ++k) out.re[k] = out.im[k] = broadcast(0);
     for (int n = 0, i = 0; n < modes.harmonics; ++n) {
-      for (; i < modes.end[n]; ++i) act(modes.term[i], p);
+      for (; i < modes.end[n]; ++i) {
+        const Term& term = modes.term[i];
+        const real re = fma(broadcast(term.re), p.c, -(term.im * p.s)),
+                   im = sign * fma(broadcast(term.re), p.s, term.im * p.c);
+        real &to_re = out.re[term.*to], &to_im = out.im[term.*to];
+        to_re = fma(re, b.re[term.*from], fnma(im, b.im[term.*from], to_re));
+        to_im = fma(re, b.im[term.*from], fma(im, b.re[term.*from], to_im));
+      }
       p = p * each;
     }
+    return out;
   };
-  change(begin, 1, a);
-  Amplitudes mode, out;
-  for (int k = 0; k < f.levels; ++k) mode.re[k] = mode.im[k] = out.re[k] = out.im[k] = broadcast(0);
-  for_each_term(begin, [&](const LevelPeriod::Term& term, const Phasor& p) {
-    const real re = fma(broadcast(term.re), p.c, -(term.im * p.s)),
-               im = fma(broadcast(term.re), p.s, term.im * p.c);
-    real &to_re = mode.re[term.mode], &to_im = mode.im[term.mode];
-    to_re = fma(re, a.re[term.level], fma(im, a.im[term.level], to_re));
-    to_im = fma(re, a.im[term.level], fnma(im, a.re[term.level], to_im));
-  });
-  for (int k = 0; k < f.levels; ++k) turn_back(modes.quasi[k] * (end - begin), k, mode);
-  for_each_term(end, [&](const LevelPeriod::Term& term, const Phasor& p) {
-    const real re = fma(broadcast(term.re), p.c, -(term.im * p.s)),
-               im = fma(broadcast(term.re), p.s, term.im * p.c);
-    real &to_re = out.re[term.level], &to_im = out.im[term.level];
-    to_re = fma(re, mode.re[term.mode], fnma(im, mode.im[term.mode], to_re));
-    to_im = fma(re, mode.im[term.mode], fma(im, mode.re[term.mode], to_im));
-  });
-  a = out;
-  change(end, -1, a);
+  turn(begin, 1);
+  a = changed(begin, -1, &Term::level, &Term::mode, a);
+  for (int k = 0; k < f.levels; ++k) turn_back(modes.quasi[k] * (end - begin), k, a);
+  a = changed(end, 1, &Term::mode, &Term::level, a);
+  turn(end, -1);
 }
 
 }  // namespace rabiline::RABILINE_ISA
