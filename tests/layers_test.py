@@ -55,6 +55,17 @@ def test_numbers_of_a_run_come_from_functions_with_the_same_bits_everywhere() ->
     assert not wrong, "\n".join(["use core/portable_math.hpp:", *wrong])
 
 
+def test_no_two_headers_define_a_type_of_one_name() -> None:
+    """For the linker they would be one, and the functions of a vector of one would serve the other."""
+    defined: dict[str, list[str]] = {}
+    for path in SOURCES:
+        text = path.read_text()
+        if path.suffix == ".hpp" and re.search(r"^namespace rabiline {", text, re.MULTILINE):
+            for name in re.findall(r"^(?:struct|class|enum class) (\w+)(?: final)?\s*(?::[^;{]*)?{", text, re.MULTILINE):
+                defined.setdefault(name, []).append(str(path.relative_to(ROOT)))
+    assert len(defined) > 300 and not {name: files for name, files in defined.items() if len(files) > 1}
+
+
 def test_no_file_is_long() -> None:
     files = SOURCES + sorted(path for folder in ("analysis", "tests") for path in (ROOT / folder).rglob("*.py"))
     long = {str(path.relative_to(ROOT)): lines for path in files

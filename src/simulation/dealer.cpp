@@ -18,10 +18,9 @@ Deal Dealer::next(const Wish& wish) {
       next_ = deal.end = end_;
       break;
     }
-    const Stretch stretch = row_.at(from);
-    const double each = std::max(plan_.trees[stretch.tree].cost, 1e-12);
-    const auto there =
-        static_cast<double>(std::min({stretch.last - stretch.first, until - from, end_ - from}));
+    const ParticleRange range = row_.at(from);
+    const double each = std::max(plan_.trees[range.tree].cost, 1e-12);
+    const auto there = static_cast<double>(std::min({range.last - range.first, until - from, end_ - from}));
     const double wanted = std::max((wish.cost - deal.cost) / each,
                                    static_cast<double>(wish.least) - static_cast<double>(deal.particles));
     const double taken = std::min(there, 8 * std::ceil(wanted / 8));  // lanes are filled by eights

@@ -225,7 +225,7 @@ class Runner {
   }
 
   /// Particles that nobody has flown, all of one tree; none where first == last.
-  Stretch next_stretch(const Pace& pace) {
+  ParticleRange next_range(const Pace& pace) {
     std::unique_lock guard(deal_lock_);
     for (;;) {
       more_.wait(guard, [&] { return !on_hold_; });
@@ -237,11 +237,11 @@ class Runner {
           stock_.pop_front();
           continue;
         }
-        Stretch stretch = row_.at(begin);
-        stretch.last = std::min({stretch.last, stretch.first + (std::min(end, deal.end) - begin),
-                                 stretch.first + pace.particles(plan_.trees[stretch.tree].cost)});
-        deal.begin = begin + (stretch.last - stretch.first);
-        return stretch;
+        ParticleRange range = row_.at(begin);
+        range.last = std::min({range.last, range.first + (std::min(end, deal.end) - begin),
+                               range.first + pace.particles(plan_.trees[range.tree].cost)});
+        deal.begin = begin + (range.last - range.first);
+        return range;
       }
       if (no_more_) return {};
       ++idle_;
@@ -257,19 +257,19 @@ class Runner {
       TreeRunner runner(options_.isa, options_.batch);
       Pace pace(options_.grain);
       for (;;) {
-        const Stretch stretch = next_stretch(pace);
-        const std::uint64_t particles = stretch.last - stretch.first;
+        const ParticleRange range = next_range(pace);
+        const std::uint64_t particles = range.last - range.first;
         if (particles == 0) break;
         const Clock::time_point begin = Clock::now();
-        const PlanTree& tree = plan_.trees[stretch.tree];
+        const PlanTree& tree = plan_.trees[range.tree];
         {
           const std::lock_guard guard(share.lock);
           share.sums.resize(plan_.sums);
           share.torn = true;
-          runner.fly(tree, stretch.first, stretch.last, share.sums);
-          share.finished.insert(stretch.place, stretch.place + particles);
+          runner.fly(tree, range.first, range.last, share.sums);
+          share.finished.insert(range.place, range.place + particles);
           for (const std::uint64_t particle : runner.stragglers())
-            share.stragglers.push_back({stretch.tree, particle});
+            share.stragglers.push_back({range.tree, particle});
           share.torn = false;
         }
         const double cost = tree.cost * static_cast<double>(particles);
@@ -312,7 +312,7 @@ class Runner {
     fail(std::current_exception());
   }
 
-  /// Threads begin no stretch meanwhile: they would hardly ever let go of their sums.
+  /// Threads begin no range meanwhile: they would hardly ever let go of their sums.
   void hold(bool held) {
     const std::lock_guard guard(deal_lock_);
     on_hold_ = held;

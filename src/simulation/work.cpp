@@ -46,7 +46,7 @@ std::pair<std::uint64_t, std::uint64_t> ParticleRow::added(std::size_t part, std
   return {part == 0 ? of.first : last_of_part(of, left + 1), last_of_part(of, left)};
 }
 
-Stretch ParticleRow::at(std::uint64_t place) const {
+ParticleRange ParticleRow::at(std::uint64_t place) const {
   const auto after = std::upper_bound(begin_.begin(), begin_.end(), place);
   const auto at = static_cast<std::size_t>(after - begin_.begin()) - 1;
   const std::size_t tree = at % plan_.trees.size();

@@ -16,7 +16,7 @@ Plan part_of(const Plan&, int halvings);
 int most_halvings(std::uint64_t particles);
 
 /// Particles [first, last) of a tree, and the place of the first one in the row.
-struct Stretch {
+struct ParticleRange {
   std::uint64_t place;
   std::size_t tree;
   std::uint64_t first, last;
@@ -31,7 +31,7 @@ class ParticleRow {
   /// Of the places in a part.
   std::uint64_t end_of_part(int halvings) const;
   /// From a place to the end of its tree in its part.
-  Stretch at(std::uint64_t place) const;
+  ParticleRange at(std::uint64_t place) const;
   /// What all places before one take by the plan's estimate [s].
   double cost_before(std::uint64_t place) const;
 

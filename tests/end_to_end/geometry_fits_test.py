@@ -43,7 +43,7 @@ def test_a_parameter_at_the_top_of_a_curve_is_found_there(expected: np.ndarray, 
 
 def test_spins_and_geometry_are_fitted_together(expected: np.ndarray) -> None:
     truth = {"C.field": 6e-6, "first.amplitude+second.amplitude": 0.46e-6, "B.gradient": 105.0}
-    fit = fit_counts(CLOCK.set(particles=50000, seed=1002), counted(expected, 2), list(truth), intervals=False)
+    fit = fit_counts(CLOCK.set(particles=20000, seed=1002), counted(expected, 2), list(truth), intervals=False)
     assert fit.p > 1e-3
     for name, true in truth.items():
         assert abs(fit[name][0] - true) < 3.5 * fit[name][1] < true, name

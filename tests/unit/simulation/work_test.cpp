@@ -25,12 +25,12 @@ TEST(ParticleRow, HoldsEveryParticleOfEveryTreeOnce) {
     std::vector<std::uint64_t> next(plan.trees.size(), 0);
     EXPECT_EQ(row.size(), 2 * 1237U);
     for (std::uint64_t place = 0; place < row.size();) {
-      const Stretch stretch = row.at(place);
-      EXPECT_EQ(stretch.place, place);
-      EXPECT_EQ(stretch.first, next[stretch.tree]);
-      EXPECT_GT(stretch.last, stretch.first);
-      next[stretch.tree] = stretch.last;
-      place += stretch.last - stretch.first;
+      const ParticleRange range = row.at(place);
+      EXPECT_EQ(range.place, place);
+      EXPECT_EQ(range.first, next[range.tree]);
+      EXPECT_GT(range.last, range.first);
+      next[range.tree] = range.last;
+      place += range.last - range.first;
     }
     for (const std::uint64_t n : next) EXPECT_EQ(n, 1237U);
     EXPECT_EQ(row.end_of_part(0), row.size());
