@@ -266,7 +266,7 @@ class Compiler {
     SortingField field{std::move(region), entrance.part, {}};
     if (stretch.exit != stretch.entrance) field.axis_behind = stretch.exit;
     chain_.back() = field;
-    for (const WallStop& stop : field.stops_of_others()) chain_.push_back(stop);
+    for (const WallStop& stop : field.stops_behind()) chain_.push_back(stop);
   }
 
   void fly_straight_through(const Section& section) {

@@ -33,27 +33,28 @@ std::string parts_of(const RotatingTerm& drive) {
 void tell_transitions(const Structure& structure, const LevelZone& zone, double width, std::size_t least,
                       bool all, std::vector<std::string>& out) {
   const std::vector<Transition> near = transitions_near(structure, zone);
-  const Eigen::VectorXd shifts = shifts_of(structure, zone);
   if (near.empty()) out.emplace_back("    no transition turns with it");
-  const auto tell = [&](const Transition& t, std::string_view how) {
+  const auto tell = [&](const Transition& t) {
     std::string flips;
-    if (const double rate = portable::hypot(t.rabi, t.detuning);
+    // Of two photons the same field always shifts the line, by about as much as it drives it.
+    if (const double rate = portable::hypot(t.rabi, t.detuning - (t.photons == 2 ? t.shift : 0));
         zone.drive->envelope.shape == Shape::rectangular && !is_pulsed(zone) && rate > 0)
       flips = fmt::format(", alone it flips {:.3g}",
                           portable::pow(t.rabi / rate * portable::sin(std::numbers::pi * rate / width), 2));
-    const double by = shifts(t.upper) - shifts(t.lower);
-    const std::string shift = by == 0 ? ""
-                                      : fmt::format("; what turns otherwise shifts it by {}",
-                                                    pretty_quantity(by, Dimension::frequency));
-    out.push_back(fmt::format("    {} {}at {}, detuned by {}, Rabi frequency {}{}{}", name_of(structure, t),
-                              how, megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
+    const std::string shift =
+        t.shift == 0
+            ? ""
+            : fmt::format("; {} shifts it by {}", t.photons == 2 ? "the field" : "what turns otherwise",
+                          pretty_quantity(t.shift, Dimension::frequency));
+    out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}{}", name_of(structure, t),
+                              megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
                               pretty_quantity(t.rabi, Dimension::frequency), flips, shift));
   };
   for (std::size_t i = 0; i < near.size(); ++i) {
     if (i >= least && !(all && std::abs(near[i].detuning) <= 100 * width)) break;
-    tell(near[i], "");
+    tell(near[i]);
   }
-  for (const Transition& t : transitions_of_two_photons(structure, zone, width)) tell(t, "by two photons ");
+  for (const Transition& t : transitions_of_two_photons(structure, zone, width)) tell(t);
 }
 
 const std::string& name_of(int part, const Beamline& beamline) {

@@ -19,6 +19,9 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
   const Levels levels = levels_at(spins, zone.field);
   const DrivenStates states = driven_states(spins, levels, drive);
   const bool swings = sense_of(drive) == 0;
+  const DrivenStates* const alone[] = {&states};
+  const Eigen::VectorXd shifts =  // by what does not stand still in the field's frame
+      standing_coupling(rotating_frame(levels.labels, drive, alone), states).second.diagonal();
   const double negligible = 1e-14 * states.energy.cwiseAbs().maxCoeff();
   std::vector<Transition> out;
   for (int i = 0; i < spins.levels(); ++i)
@@ -31,7 +34,7 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
       if (i == k || apart < 0 || (apart == 0 && swings && i > k) || states.coupling(i, k) == 0 || !turns)
         continue;
       out.push_back({i, k, apart, drive.oscillator.frequency - apart,
-                     (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
+                     (swings ? 1 : 2) * std::abs(states.coupling(i, k)), shifts(i) - shifts(k)});
     }
   std::stable_sort(out.begin(), out.end(), [](const Transition& a, const Transition& b) {
     return std::abs(a.detuning) < std::abs(b.detuning);
@@ -53,30 +56,33 @@ std::vector<Transition> transitions_of_two_photons(const Structure& structure, c
               levels.labels[static_cast<std::size_t>(from)].twice_m !=
           2 * sense)
         up(to, from) = 0;
+  const auto shifted = [&](int i) {
+    double sum = 0;
+    for (int k = 0; k < spins.levels(); ++k) {
+      const double apart = states.energy(i) - states.energy(k);
+      if (k != i)
+        sum += up(k, i) * up(k, i) / (apart + frequency) + up(i, k) * up(i, k) / (apart - frequency);
+    }
+    return sum;
+  };
   std::vector<Transition> out;
   for (const CoupledPair& pair : pairs_of_two_photons(states.energy, std::span(&up, 1), frequency)) {
     const double apart = states.energy(pair.upper) - states.energy(pair.lower), rabi = 2 * pair.coupling,
                  detuning = 2 * frequency - apart;
     bool is_by_one = false;  // after the other
     for (int by = 0; by < spins.levels(); ++by) {
+      if (by == pair.upper || by == pair.lower) continue;
       const double first = std::abs(up(by, pair.lower)), last = std::abs(up(pair.upper, by)),
                    off = states.energy(pair.lower) + frequency - states.energy(by);
       is_by_one =
           is_by_one || (first * last != 0 && std::abs(off) <= 10 * (width + 2 * std::max(first, last)));
     }
     if (!is_by_one && rabi > 0.01 * width && std::abs(detuning) <= 100 * (width + rabi))
-      out.push_back({pair.upper, pair.lower, apart, detuning, rabi});
+      out.push_back(
+          {pair.upper, pair.lower, apart, detuning, rabi, shifted(pair.upper) - shifted(pair.lower), 2});
   }
   std::ranges::stable_sort(out, {}, [](const Transition& t) { return std::abs(t.detuning); });
   return out;
-}
-
-Eigen::VectorXd shifts_of(const Structure& structure, const LevelZone& zone) {
-  const CoupledSpins spins = coupled_spins(structure);
-  const Levels levels = levels_at(spins, zone.field);
-  const DrivenStates states = driven_states(spins, levels, *zone.drive);
-  const DrivenStates* const alone[] = {&states};
-  return standing_coupling(rotating_frame(levels.labels, *zone.drive, alone), states).second.diagonal();
 }
 
 bool is_pulsed(const LevelZone& zone) { return zone.drive->gate != Gate{}; }
@@ -93,8 +99,8 @@ std::string megahertz(double f) {
 
 std::string name_of(const Structure& structure, const Transition& t) {
   const std::vector<std::string> names = names_of_levels(coupled_spins(structure));
-  return fmt::format("{} - {}", names[static_cast<std::size_t>(t.upper)],
-                     names[static_cast<std::size_t>(t.lower)]);
+  return fmt::format("{} - {}{}", names[static_cast<std::size_t>(t.upper)],
+                     names[static_cast<std::size_t>(t.lower)], t.photons == 2 ? " by two photons" : "");
 }
 
 std::string left_out(double neglected) {

@@ -1,6 +1,5 @@
 #pragma once
 // Lines between levels that a field can drive, one zone by itself.
-#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -13,17 +12,19 @@ namespace rabiline {
 struct Transition {
   int upper = 0, lower = 0;
   double frequency = 0, detuning = 0, rabi = 0;  // [Hz]; detuning of the field from the transition
+  double shift = 0;                              // [Hz] of the transition, by what does not drive it
+  int photons = 1;                               // of the field, at a time
 };
 /// Those that the direction of a field and its sense allow, the nearest first.
 std::vector<Transition> transitions_near(const Structure&, const LevelZone&);
 /// Those that two photons of it drive by way of levels far from either, within 100 of a width [Hz] and as
-/// strong as a hundredth of it; detuning is that of both photons.
+/// strong as a hundredth of it; detuning is that of both photons. The field shifts levels by
+/// sum |g|^2 / (E_i +- f - E_k) over all k, one photon more or less (W. Demtroeder, Laser Spectroscopy 2,
+/// 5th ed. (Springer, 2015), sect. 2.5; as pairs_of_two_photons() has it).
 std::vector<Transition> transitions_of_two_photons(const Structure&, const LevelZone&, double width);
-/// "F=4 m=0 - F=3 m=0".
+/// "F=4 m=0 - F=3 m=0", or with "by two photons" behind it.
 std::string name_of(const Structure&, const Transition&);
 
-/// [Hz] Of each level, by what does not stand still in the field's frame.
-Eigen::VectorXd shifts_of(const Structure&, const LevelZone&);
 /// What an approximation leaves out, by its largest amplitude.
 std::string left_out(double neglected);
 

@@ -2,6 +2,7 @@
 // often, and what their approximations leave out.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <tuple>
@@ -43,9 +44,9 @@ class Approximations {
   void look_at(const Driven& driven) {
     if (worst_ == nullptr || driven.neglected > worst_->neglected) worst_ = &driven;
   }
-  void look_at(const Driven& driven, const std::string& field, const Transition& line, double shifted,
-               double width) {
-    const double shift = fourth_order * std::abs(shifted) * driven.neglected * driven.neglected;
+  void look_at(const Driven& driven, const std::string& field, const Transition& line, double width) {
+    const double shift = fourth_order * (line.photons == 2 ? 4 : 1) * std::abs(line.shift) *
+                         driven.neglected * driven.neglected;
     if (shift > most_shift * width && shift * most_.width >= most_.shift * width)
       most_ = {shift, width, name_of(driven.structure, line), field};
   }
@@ -76,9 +77,8 @@ class DrivingField {
  public:
   void look_at(int component, const Driven& driven, const LevelZone& zone, const std::vector<Transition>& all,
                double width) {
-    is_useful_ = is_useful_ || !transitions_of_two_photons(driven.structure, zone, width).empty();
     for (const Transition& t : all) {
-      Line& line = lines_[{component, t.upper, t.lower}];
+      Line& line = lines_[{component, t.upper, t.lower, t.photons}];
       const double strength = std::max(width, t.rabi);
       is_useful_ = is_useful_ || !is_far(t, width);
       // Along a way, levels may follow their field, or a sweep, through a line.
@@ -144,10 +144,10 @@ class DrivingField {
         "scan over the line, or is one of the units wrong?");
   }
 
-  bool is_useful_ = false;                             // drives some species of the beam
-  std::map<std::tuple<int, int, int>, Line> lines_{};  // of a component, between two levels
-  double distance_ = 0;                                // [Hz]
-  const LevelZone* nearest_zone_ = nullptr;            // to a line
+  bool is_useful_ = false;                                  // drives some species of the beam
+  std::map<std::tuple<int, int, int, int>, Line> lines_{};  // of a component, between two levels, of photons
+  double distance_ = 0;                                     // [Hz]
+  const LevelZone* nearest_zone_ = nullptr;                 // to a line
   std::vector<Transition> nearest_{};
   const Structure* structure_ = nullptr;
 };
@@ -175,11 +175,11 @@ Faults line_warnings_of(const Experiment& experiment, const Plan& plan) {
       for (std::size_t i = 0; i < driven->zones.size(); ++i) {
         const LevelZone& zone = driven->zones[i];
         const double width = width_of(zone, driven->lengths[i], parts.speed_at(point, where.first));
-        const std::vector<Transition> all = transitions_near(driven->structure, zone);
-        const Eigen::VectorXd shifts = shifts_of(driven->structure, zone);
+        std::vector<Transition> all = transitions_near(driven->structure, zone);
+        std::ranges::copy(transitions_of_two_photons(driven->structure, zone, width),
+                          std::back_inserter(all));
         for (const Transition& t : all)
-          if (!is_far(t, width))
-            approximations.look_at(*driven, driven->names[i], t, shifts(t.upper) - shifts(t.lower), width);
+          if (!is_far(t, width)) approximations.look_at(*driven, driven->names[i], t, width);
         fields[driven->names[i]].look_at(where.first, *driven, zone, all, width);
       }
     }

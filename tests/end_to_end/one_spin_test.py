@@ -1,10 +1,11 @@
 """An atom that has one spin, whose levels are carried as amplitudes, and the point spin that it is."""
+import re
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from fields_test import BOX, experiment, levels_of, run
+from fields_test import BOX, MAGNET, experiment, levels_of, run
 
 FREE_SPIN = ("species: {name: spin, mass: 1.00866491595 u, charge: 0 e, structure: {I: 0, J: 1/2, g_J: 0.0020837513, g_I: 0}, "
              "source: the moment of a neutron}")
@@ -58,6 +59,22 @@ def test_atoms_that_leave_a_map_end_there_as_point_spins_do(tmp_path: Path) -> N
             left.append(file["entry/fates/particles"][:][file["entry/fates/fate"][:] == b"left_map"].sum())
     assert left[0] == left[1]
     assert abs(left[0] / 2000 - 4 / 14) < 0.05
+
+
+def test_what_a_magnet_pushes_out_of_its_map_has_left_the_map(tmp_path: Path) -> None:
+    """72 um aside over a map that is .1 mm high and evenly filled, in each level."""
+    path = tmp_path / "magnet.yaml"
+    magnet = ("{name: magnet, kind: formula_field, at: 0.15 m, formula: {Bz: 0.5 + 100*z, Bx: -100*x, width: 1 cm, height: 0.1 mm, length: 10 cm, "
+              "step: 1 mm}, outside: error}")
+    text = MAGNET.format(more="", gap="").replace("height: 10 um", "height: 0.1 mm").replace("particles: 4000", "particles: 2000")
+    path.write_text(re.sub(r"{name: magnet, .*}", magnet, text))
+    assert (out := run("run", path, "-o", tmp_path / "a.h5", "--progress", "none")).returncode == 0, out.stderr
+    with h5py.File(tmp_path / "a.h5") as file:
+        fates = {name: file["entry/fates/particles"][:][file["entry/fates/fate"][:] == name].sum() for name in (b"left_map", b"stopped", b"detected")}
+    acceleration = 9.2740e-24 * 100 / (107.868 * 1.66054e-27)
+    aside = acceleration * (0.1 / 600)**2 / 2
+    assert abs(fates[b"left_map"] / 2000 - aside / 1e-4) < 3 * 0.01 and fates[b"stopped"] == 0
+    assert fates[b"left_map"] + fates[b"detected"] == 2000
 
 
 @pytest.mark.parametrize("part", [

@@ -24,6 +24,10 @@ void SortingField::pass(StageContext& context) const {
     const std::uint64_t end = batch.scratch[i] & 0xffffffffULL;
     batch.scratch[i] = 0;
     if (end == region_end::forward) continue;
+    if (end == region_end::left_map) {
+      batch.scratch[i] = wall_mark::of_map;
+      continue;
+    }
     if (end >= region_end::at_wall) {
       const int met = part_of_wall(region, end - region_end::at_wall);
       if (met != part) {
@@ -36,7 +40,7 @@ void SortingField::pass(StageContext& context) const {
   }
 }
 void SortingField::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
-std::vector<WallStop> SortingField::stops_of_others() const {
+std::vector<WallStop> SortingField::stops_behind() const {
   std::vector<WallStop> stops;
   const double end = region.zones.back().field.end;
   for (std::size_t wall = 0; wall < region.zones.size() + region.channels.size() + region.gaps.size();
@@ -45,6 +49,8 @@ std::vector<WallStop> SortingField::stops_of_others() const {
     const WallStop stop{{part_of_wall(region, wall), end}};
     if (stop.part != part && std::ranges::find(stops, stop) == stops.end()) stops.push_back(stop);
   }
+  if (std::ranges::any_of(region.shaped, nothing_may_leave))
+    stops.push_back({{no_part, end}, fate::left_map});
   return stops;
 }
 double SortingField::y() const { return region.y(); }

@@ -9,7 +9,7 @@
 namespace rabiline {
 
 /// Each particle stays in its level along the field and is pushed by mu grad |B|. What does not come through
-/// is stopped; what has met the wall of another part flies on with its mark.
+/// is stopped; what has met the wall of another part, or left a map, flies on with its mark.
 struct SortingField {
   TurningRegion region;                     // whose coupling follows levels; without edges and sights
   int part = 0;                             // whose field it is
@@ -27,7 +27,7 @@ struct SortingField {
   bool follows_paths() const;
   static bool marks_walls() { return true; }
   /// What must stand behind it.
-  std::vector<WallStop> stops_of_others() const;
+  std::vector<WallStop> stops_behind() const;
 };
 static_assert(StageKind<SortingField>);
 

@@ -2,9 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
+#include "core/eigensystem.hpp"
 #include "spin/level_labels.hpp"
+#include "spin/levels.hpp"
+#include "spin/rotating_frame.hpp"
 
 namespace rabiline::level_lines_test {
 namespace {
@@ -38,6 +44,58 @@ TEST(TransitionsOfTwoPhotons, AreAsStrongAsBothStepsOverWhatTheLevelBetweenIsOff
   zone.drive->oscillator.frequency = first.frequency;
   for (const Transition& t : transitions_of_two_photons(structure, zone, 1e3))
     EXPECT_FALSE(t.upper == level(2) && t.lower == level(0)) << "one photon after the other";
+}
+
+/// [Hz] Where two photons of a swinging field are closest to a line: of Floquet's states, those that are made
+/// of its levels are then least apart (J. H. Shirley, Phys. Rev. 138, B979, 1965).
+double centre_by_floquet(const LevelZone& zone, const Structure& structure, const Transition& line) {
+  constexpr int most = 6;
+  const CoupledSpins spins = coupled_spins(structure);
+  const DrivenStates states = driven_states(spins, levels_at(spins, zone.field), *zone.drive);
+  const int d = spins.levels(), size = d * (2 * most + 1);
+  const auto apart = [&](double frequency) {
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(size, size);
+    for (int n = -most; n <= most; ++n) {
+      const int at = (n + most) * d;
+      h.block(at, at, d, d).diagonal() = states.energy.array() - states.energy(line.lower) + n * frequency;
+      if (n < most) h.block(at, at + d, d, d) = h.block(at + d, at, d, d) = states.coupling / 2;
+    }
+    const Eigensystem<Eigen::MatrixXd> all = eigensystem_of(h);
+    const auto is_of_both = [&](int k) {
+      return std::hypot(all.vectors(most * d + line.lower, k), all.vectors((most - 2) * d + line.upper, k));
+    };
+    std::vector<int> order(static_cast<std::size_t>(size));
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::sort(order, std::greater<>{}, is_of_both);
+    return std::abs(all.values(order[0]) - all.values(order[1]));
+  };
+  double low = (line.frequency - 2e3) / 2, high = (line.frequency + 2e3) / 2;
+  while (high - low > 0.1) {
+    const double left = low + (high - low) / 3, right = high - (high - low) / 3;
+    (apart(left) < apart(right) ? high : low) = apart(left) < apart(right) ? right : left;
+  }
+  return low + high;
+}
+
+TEST(TransitionsOfTwoPhotons, AreShiftedByTheirFieldAsFloquetsStatesAre) {
+  const Structure structure = *find_species("K-39 atom")->structure;
+  const std::vector<LevelLabel> labels = level_labels(coupled_spins(structure));
+  LevelZone zone{0, 0.1};
+  zone.field = 1e-3;
+  zone.drive = RotatingTerm{};
+  zone.drive->motion = FieldMotion::swings_in_rotating_wave;
+  zone.drive->first = {std::sqrt(0.5), 0, std::sqrt(0.5)};
+  zone.drive->oscillator.frequency = 3348465.9;
+  const int upper = *find_weak_field_level(labels, 4, 4), lower = *find_weak_field_level(labels, 4, 2);
+  for (const double amplitude : {20e-6, 40e-6}) {  // the fourth order grows by its square
+    zone.drive->amplitude = amplitude;
+    const std::vector<Transition> all = transitions_of_two_photons(structure, zone, 2e3);
+    const auto line =
+        std::ranges::find_if(all, [&](const Transition& t) { return t.upper == upper && t.lower == lower; });
+    ASSERT_TRUE(line != all.end());
+    EXPECT_NEAR(line->shift, centre_by_floquet(zone, structure, *line) - line->frequency,
+                0.0095 * std::pow(amplitude / 20e-6, 2) * line->shift);
+  }
 }
 
 }  // namespace
