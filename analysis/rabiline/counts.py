@@ -114,7 +114,8 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
         optional["seconds"] = optional["seconds"] * _seconds(table)
     if optional["emitted"] is not None and optional["seconds"] is None:  # over a time there may be a background
         _require(table, kept, counts <= optional["emitted"], "more counts than particles were emitted")
-    return Counts(str(table.path), ",".join(names_of(parameter)), written[0], x, unit, counts, optional["seconds"], optional["emitted"], detector, across)
+    return Counts(str(table.path), ",".join(names_of(parameter)), written[0], x, unit, counts, optional["seconds"], optional["emitted"],
+                  detector if "detector" in table.names else None, across)
 
 
 def names_of(parameter: str) -> list[str]:

@@ -93,7 +93,7 @@ class CurveModel:
             raise NoFit(f"`{twice[0]}` is free twice")
         for name in self.names:
             if {*names_of(self.parameter), *names_of(self.across[0] if self.across else "")} & set(name.split("+")):
-                raise NoFit(f"`{name}` is scanned, so it is not free")
+                raise NoFit(f"`{name}` is scanned, so it is not free\n  help: `rabiline fit-line` has the centre of a line; of an experiment what moves the line is free, a field or a number under `variables:`")
             of_exposure = {"source.rate": f"{SCALE}` instead, a factor of all that is expected",
                            f"{self.detector}.background": f"{BACKGROUND}` instead, in counts at each point"}
             for one in set(name.split("+")) & set(of_exposure):

@@ -28,7 +28,7 @@ class Direction:
 
     def __str__(self) -> str:
         if self.hidden:
-            return f"too few particles: the simulation's own noise hides what {' and '.join(f'`{self.names[i]}`' for i in self.involved)} change"
+            return f"too few particles: the simulation's own noise hides what {' and '.join(f'`{self.names[i]}`' for i in self.involved)} {'change' if len(self.involved) > 1 else 'changes'}"
         changes = ", ".join(f"`{self.names[i]}` by {100 * self.parts[i]:+.3g} %" for i in self.involved)
         change = "changes" if self.involved.size == 1 else "together change"
         return f"degenerate: {changes} {change} next to nothing that this simulation could see"

@@ -142,8 +142,10 @@ class Experiment:
         if names is None:
             return replace(self, scans=(), without_scan=True)
         if "=" in asked.text("`names`", names):
+            if values:
+                raise TypeError(f"`{names}` has its values already, and no others are taken")
             return replace(self, scans=(*self.scans, names))
-        if not isinstance(values, Iterable):
+        if not isinstance(values, Iterable) or isinstance(values, (bytes, bytearray)):
             raise TypeError(f'the values of a scan are a list, or a range such as "280 kHz:300 kHz:21", not {type(values).__name__}')
         if not isinstance(values, str):
             values = ",".join(_quoted(self._text(names.split(",")[0], value), ",") for value in values)
@@ -191,7 +193,7 @@ class Experiment:
         """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times
         in s. Raises TypeError, and ValueError for a model, a negative number and for none or too many particles."""
         from . import tracks
-        return tracks.read(_core.trace(self._setup, asked.whole_number("first", first), asked.whole_number("count", count, 1, MOST_TRACKS)))
+        return tracks.read(_core.trace(self._setup, asked.whole_number("first", first, 0, 2**63), asked.whole_number("count", count, 1, MOST_TRACKS)))
 
     def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
         """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""

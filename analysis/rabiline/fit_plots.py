@@ -1,6 +1,7 @@
 """Counts, what was fitted to them, and the residuals."""
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from . import style
 from .covariance import freedom_in_words, p_in_words
 from .fit_report import is_undetermined, verdict_of, why_unknown
 from .style import INK, LAWS, OTHERS, PALE
-from .units import fitting_scale, is_logarithmic
+from .units import base_of, fitting_scale, is_logarithmic
 
 if TYPE_CHECKING:
     from .fitting import CountsFit
@@ -24,8 +25,10 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     """Above the counts with the curve and its band of the simulation, below the residuals in standard deviations."""
     order = np.argsort(fit.counts.x)
     counts, expected, band = fit.counts.counts[order], fit.expected[order], fit.template_errors[order]
-    scale = fitting_scale(fit.counts.x[order], fit.counts.unit)
-    x = np.asarray(scale.apply(fit.counts.x[order]))
+    unit, factor = base_of(fit.counts.unit)
+    places = factor * fit.counts.x[order]
+    scale = fitting_scale(places, unit, (re.sub("^u", "µ", fit.counts.unit), factor))
+    x = np.asarray(scale.apply(places))
     lines, verdict = _numbers(fit), _verdict(fit)
     figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2 + 0.08 * len(lines + verdict)), sharex=True, layout="constrained")
     low, high = (np.maximum(limit, 0) for limit in _poisson(counts))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Callable, Sequence
+from typing import TYPE_CHECKING, Callable, Mapping, Sequence
 
 import numpy as np
 from scipy import stats
@@ -151,6 +151,8 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     model = CurveModel(experiment, counts.parameter, counts.places, names, detector or counts.detector, asked.threads(threads),
                        counts.across and (counts.across.parameter, counts.across.places), explore, told)
     values = model.start()
+    if not isinstance(start, (Mapping, type(None))):
+        raise TypeError(f"`start` is a mapping of names and values, not {type(start).__name__}")
     for name, value in (start or {}).items():
         first, i = name.split("+")[0], asked.place_of(name, tuple(names), (SCALE, BACKGROUND))
         values[i] = experiment.scan().set({first: value}).value(first) if isinstance(value, str) else asked.number(f"start[{name!r}]", value)

@@ -19,6 +19,7 @@ from .forms import FORMS, SHORTEST, Form, rabi_over, ramsey_over
 from .hdf5 import EXPERIMENTS, is_hdf5
 from .line_report import described, unit_of
 from .lines import LineFit, NoLine, Poisson, fit_line
+from .reports import require_detector
 from .units import base_of, format_value, parse_quantity
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
     field = _quantity("--field", options.field, "T") if options.field else None
     if is_hdf5(options.file):
         file = results.read(options.file)
-        found = curves(file, options.detector)
+        found = curves(file, require_detector(file, options.detector) if options.detector else None)
         if len(found) != 1:
             choose = "" if options.detector or len(file.scan.detectors) == 1 else "choose one with --detector, or "
             raise InputError(f"{options.file}: {len(found)} curves: {choose}scan one parameter")
@@ -78,6 +79,8 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
                          f"  help: `rabiline run {options.file}` makes one; `rabiline fit {options.file} --data COUNTS.csv` fits the experiment itself")
     else:
         counts = read_counts(options.file, options.detector)
+        if options.detector and counts.detector is None:
+            raise InputError(f"{counts.path}: it has no column `detector`, so --detector chooses nothing")
         if counts.across:
             raise InputError(f"{counts.path}: its counts are over {counts.parameter} and {counts.across.parameter}, and a form is fitted to one curve\n"
                              f"  help: keep the rows of one value of `{counts.across.parameter}`, without that column; `rabiline fit` fits the experiment to all")

@@ -22,7 +22,34 @@ KeptTransit transit_called(const std::string& name) {
   throw std::invalid_argument("`transit` is auto, none, totals or images, not " + name);
 }
 
-/// Flies in a thread of its own, as only the caller's may ask Python for signals.
+/// What `flies` returns, in a thread of its own, as only the caller's may ask Python for signals: one makes
+/// it `stop`, and is raised.
+template <class Flies, class Tells>
+auto watched(std::atomic<bool>& stop, const Flies& flies, const Tells& tells) {
+  std::optional<py::error_already_set> interrupted;
+  std::optional<decltype(flies())> result;
+  {
+    const py::gil_scoped_release released;
+    auto flight = std::async(std::launch::async, flies);
+    while (!interrupted && flight.wait_for(50ms) != std::future_status::ready) {
+      const py::gil_scoped_acquire acquired;
+      try {
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        tells();
+      } catch (py::error_already_set& error) {
+        stop = true;
+        interrupted.emplace(error);
+      }
+    }
+    try {
+      result = flight.get();
+    } catch (const Stopped&) {  // by that signal
+    }
+  }
+  if (interrupted) throw py::error_already_set(*interrupted);
+  return std::move(*result);
+}
+
 Result fly(const Setup& setup, int threads, const std::string& isa, const std::string& transit,
            const std::string& max_memory, const py::object& progress,
            const std::vector<std::string>& arguments, bool silent) {
@@ -42,28 +69,15 @@ Result fly(const Setup& setup, int threads, const std::string& isa, const std::s
     reached = now;
   };
   const bool shows = !progress.is_none();
-  std::optional<py::error_already_set> interrupted;
-  std::optional<Result> result;
-  {
-    const py::gil_scoped_release released;
-    auto flight = std::async(std::launch::async, [&] { return run(setup, settings); });
-    while (!interrupted && flight.wait_for(50ms) != std::future_status::ready) {
-      const py::gil_scoped_acquire acquired;
-      try {
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  std::optional<Result> result = watched(
+      stop, [&] { return run(setup, settings); },
+      [&] {
         const auto now = [&] {
           const std::scoped_lock lock(mutex);
           return reached;
         }();
         if (shows) progress(now.done, now.seconds_left);
-      } catch (py::error_already_set& error) {
-        stop = true;
-        interrupted.emplace(error);
-      }
-    }
-    result = flight.get();
-  }
-  if (interrupted) throw py::error_already_set(*interrupted);
+      });
   if (!result) throw std::runtime_error("the run was stopped");
   if (shows) progress(1.0, 0.0);
   return std::move(*result);
@@ -158,12 +172,11 @@ void add_flights(py::module_& module) {
     return solve(setup);
   });
   module.def("trace", [](const Setup& setup, std::uint64_t first, std::uint64_t count) {
-    std::vector<Track> tracks;
-    {
-      const py::gil_scoped_release released;
-      tracks = trace(setup, first, count);
-    }
-    return bytes_of(image_of(tracks, setup));
+    std::atomic<bool> stop{false};
+    RunSettings settings;
+    settings.stop = &stop;
+    const auto flies = [&] { return trace(setup, first, count, settings); };
+    return bytes_of(image_of(watched(stop, flies, [] {}), setup));
   });
   module.def(
       "probe",

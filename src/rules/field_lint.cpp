@@ -321,8 +321,8 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
     if (!has_hard_edges(part.part) && !ends_quietly(*field, beamline, part, end))
       out.push_back(warning(
           name, "at",
-          fmt::format("on the axis the field of `{}` ends with a step of {:.1g} of its largest value", name,
-                      field->step(end) / field->largest),
+          fmt::format("on the axis the field of `{}` ends abruptly, at {:.3g} % of its largest value", name,
+                      100 * field->step(end) / field->largest),
           key == "map"       ? "supply a map that goes on until the field is gone"
           : key == "formula" ? "make `length` larger, or multiply by what lets the field fade at its ends"
                              : "make `reach` larger"));

@@ -24,6 +24,9 @@ using Driven = DrivenParts::Driven;
 /// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
 bool is_far(const Transition& t, double width) { return std::abs(t.detuning) > 100 * (width + t.rabi); }
 
+/// Where it flips a twentieth at least, so that a shift of the line matters.
+bool is_driven(const Transition& t, double width) { return std::abs(t.detuning) < 4 * (width + t.rabi); }
+
 /// Amplitudes that the rotating-wave approximation may leave out: beside those that it has they change a
 /// probability by twice as much.
 constexpr double most_left_out = 0.07;
@@ -179,7 +182,7 @@ Faults line_warnings_of(const Experiment& experiment, const Plan& plan) {
         std::ranges::copy(transitions_of_two_photons(driven->structure, zone, width),
                           std::back_inserter(all));
         for (const Transition& t : all)
-          if (!is_far(t, width)) approximations.look_at(*driven, driven->names[i], t, width);
+          if (is_driven(t, width)) approximations.look_at(*driven, driven->names[i], t, width);
         fields[driven->names[i]].look_at(where.first, *driven, zone, all, width);
       }
     }

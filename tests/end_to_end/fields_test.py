@@ -92,9 +92,9 @@ def test_a_map_in_either_format_is_the_field_that_it_was_made_of(maps: Path) -> 
 def test_check_says_what_a_map_is_worth(maps: Path) -> None:
     out = run("check", experiment(maps, "kind: field_map, map: loop.csv", "check.yaml"))
     assert "9 x 21 x 9 nodes" in out.stdout
-    assert "ends with a step" in out.stdout
+    assert "ends abruptly, at" in out.stdout
     turned = run("check", experiment(maps, "kind: field_map, map: loop.csv, tilt: {x: 45 deg}", "turned.yaml")).stdout
-    assert "ends with a step" in turned  # although its corners, beside the axis, reach further
+    assert "ends abruptly, at" in turned  # although its corners, beside the axis, reach further
 
 
 def test_probe_names_the_parts_and_their_shares(tmp_path: Path) -> None:

@@ -309,3 +309,37 @@ def test_a_backend_that_there_is_not_is_no_mistake_of_the_program(tmp_path: Path
     done = subprocess.run([PROGRAM, "draw", RAMSEY, "-o", "a.png"], cwd=tmp_path, env={**os.environ, "MPLBACKEND": backend}, text=True, capture_output=True)
     assert done.returncode == BAD_INPUT and not list(tmp_path.iterdir())
     assert done.stderr == f"rabiline: MPLBACKEND is `{backend}`, which matplotlib cannot load here\n  help: unset it, or set it to Agg\n"
+
+
+def test_a_detector_that_there_is_not_is_refused_by_a_fit_of_a_line(tmp_path: Path) -> None:
+    assert rabiline("run", RAMSEY, "--particles", 100, "-o", tmp_path / "a.h5", "--progress", "none").returncode == DONE
+    (tmp_path / "counts.csv").write_text("first.frequency [kHz],counts\n289,5\n292,7\n")
+    for file, says in (("a.h5", "a.h5: no detector `nope` (there is screen)\n"),
+                       ("counts.csv", "counts.csv: it has no column `detector`, so --detector chooses nothing\n")):
+        done = rabiline("fit-line", file, "--detector", "nope", cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (BAD_INPUT, f"rabiline: {says}")
+
+
+TWO_PHOTONS = """rabiline: 1
+species: K-39 atom
+law: quantum
+source: {speed: {kind: single, value: 200 m/s}, opening: {radius: 1 nm}, direction: parallel, spin: {kind: levels, levels: ["F=2 m=+2"]}}
+parts:
+  - {name: C, kind: uniform_field, at: 0 m, length: 0.5 m, field: 1 mT}
+  - {name: R, kind: oscillating_field, at: 0.15 m, length: 0.1 m, amplitude: 15 uT, frequency: 3347.6 kHz, direction: [1, 0, 1], phase: locked,
+     approximation: rotating_wave}
+  - {name: D, kind: detector, at: 0.35 m, width: 10 mm, height: 10 mm, bins: [1, 1]}
+particles: 4
+seed: 1
+scan: {parameter: R.frequency, from: 3346.7 kHz, to: 3348.8 kHz, points: 22}
+"""
+
+
+@pytest.mark.parametrize(("amplitude", "words"), [("15 uT", ""), ("60 uT", "may shift F=2 m=+2 - F=2 m=+1 by two photons by up to 17")])
+def test_a_scan_over_a_line_of_two_photons_is_told_nothing_but_what_shifts_it(tmp_path: Path, amplitude: str, words: str) -> None:
+    """It is off by 2 x 130 Hz at 60 uT, as an integration of the whole field says."""
+    (tmp_path / "a.yaml").write_text(TWO_PHOTONS)
+    done = rabiline("check", tmp_path / "a.yaml", "--set", f"R.amplitude={amplitude}")
+    assert done.returncode == DONE and "F=2 m=+2 - F=2 m=+1 by two photons at" in done.stdout
+    assert words in done.stdout if words else "warning" not in done.stdout
+    assert "no scan point is near" not in done.stdout

@@ -214,12 +214,13 @@ def test_a_check_tells_the_plan_and_warnings(ramsey: rabiline.Experiment) -> Non
         blind.run()
 
 
-def test_ctrl_c_stops_a_run() -> None:
+@pytest.mark.parametrize("fly", [lambda long: long.run(progress=False), lambda long: long.trace(10000)], ids=["run", "trace"])
+def test_ctrl_c_stops_a_flight(fly: Callable[[rabiline.Experiment], object]) -> None:
     long = rabiline.load(BEAMLINES / "caesium-clock.yaml").set(particles=10**9)
     threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        long.run(progress=False)
+        fly(long)
     assert time.monotonic() - begin < 20
 
 

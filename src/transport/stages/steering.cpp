@@ -70,7 +70,7 @@ void Steering::explain(PlanReport& report) const {
   report.line("{}  {}: steers up to {}, {}{}", PlanReport::metres(begin), report.name_of(part),
               PlanReport::metres(end), PlanReport::about_steps(outlook.steps), report.reuse);
   const bool multipole = shape.kind == MagnetKind::multipole;
-  report.line("{:>16}{} |B| is {}, its gradient {}; the largest moment goes by {} in that", "",
+  report.line("{:>16}{} |B| is {}, its gradient {}; the largest moment is deflected by {} in it", "",
               multipole ? "halfway to the poles" : "on its axis",
               pretty_quantity(outlook.field, Dimension::magnetic_field),
               pretty_quantity(outlook.gradient, Dimension::field_gradient),
