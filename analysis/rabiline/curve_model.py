@@ -34,6 +34,7 @@ NOISY = 0.05  # enough of it, where a wider step would go over an edge
 EDGE = 0.1  # of what a step changes: so little may be beyond an edge
 MOST_UNUSED = 4  # times as many places in a grid as a table has
 FLAT = 0.01  # of a curve: so little is no line
+FINEST = 12  # tenths of a step, until a curve keeps its shape
 LARGEST_STEP = 0.1  # of the parameter's value
 LARGEST_FROM_ZERO = 1e3  # SI, of one whose value says nothing about its size, such as an offset
 STRENGTHS = "field", "amplitude", "gradient", "frequency", "current", "pole_field"  # with the other sign, another apparatus
@@ -279,7 +280,17 @@ class CurveModel:
 
     def first_steps(self, values: np.ndarray) -> np.ndarray:
         """[k] One for each parameter, SI."""
-        return np.array([self.step(values, i, 1e-3 * abs(value) if value != 0 else 1e-6) for i, value in enumerate(values)])
+        return np.array([self.step(values, i, self._gentle(values, i, 1e-3 * abs(value) if value != 0 else 1e-6)) for i, value in enumerate(values)])
+
+    def _gentle(self, values: np.ndarray, number: int, step: float) -> float:
+        """The step, or a smaller one that leaves something of the curve: what moves a line may move it out of the scan by a thousandth."""
+        here = self.at(values).y
+        for _ in range(FINEST):
+            bend = np.mean([groups.mean(axis=0) for groups in self.beside(values, number, step)], axis=0) - here
+            if np.sum(bend**2) < 0.25 * np.sum((here - here.mean())**2):
+                break
+            step /= 10
+        return step
 
     def explore_more(self) -> bool:
         """More particles from here on, if there are any and the user has not chosen how many."""

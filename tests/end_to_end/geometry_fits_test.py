@@ -201,3 +201,32 @@ def test_points_that_are_farther_apart_than_a_line_is_wide_are_searched_from_bot
     fit = fit_counts(potassium.set(particles=4000), counts, list(truth), intervals=False)
     assert fit.searches > 1 and fit.sparse and fit.p > 1e-3 and f"the best of {fit.searches} searches" in str(fit)
     assert all(abs(fit[name][0] - true) < 3.5 * fit[name][1] < 0.1 * true for name, true in truth.items())
+
+
+TUBE = """rabiline: 1
+species: {name: caesium, charge: 0 e, structure: {I: 7/2, J: 1/2, coupling: "${A}", g_J: 2.00254, g_I: -0.000398854}, mass: 132.905 u}
+law: quantum
+variables: {A: 2298.1579425 MHz}
+source: {speed: {kind: gaussian, mean: 280 m/s, sigma: 40 m/s}, opening: {radius: 1 nm}, direction: parallel, spin: {kind: levels, levels: [F=3 m=0]}}
+parts:
+  - {name: C, kind: uniform_field, at: 0.06 m, length: 0.4 m, field: 6 uT}
+  - {name: R1, kind: oscillating_field, at: 0.12 m, length: 10 mm, amplitude: 0.7 uT, frequency: 9192631770 Hz, direction: z,
+     approximation: rotating_wave, phase: random}
+  - {name: R2, kind: oscillating_field, at: 0.30 m, length: 10 mm, amplitude: 0.7 uT, oscillator: R1, direction: z, approximation: rotating_wave, phase: locked}
+  - {name: filter, kind: spin_filter, at: 0.47 m, levels: [F=4 m=0], up: 1, down: 0}
+  - {name: wire, kind: detector, at: 0.6 m, width: 10 mm, height: 1 mm, bins: [1, 1]}
+particles: 3000
+seed: 7
+"""
+
+
+def test_what_moves_a_line_out_of_the_scan_by_a_thousandth_is_known_to_a_part_of_its_width() -> None:
+    """The hyperfine splitting is 4 A, and the fringes are .6 kHz wide: from 4 Hz off A."""
+    x = np.linspace(9192629.77e3, 9192633.77e3, 41)
+    places = tuple(f"{f!r} Hz" for f in x.tolist())
+    tube = rabiline.load(TUBE).scan()
+    y = np.ravel(tube.set(seed=99, particles=100000).scan("R1.frequency", places).fly().detected)
+    counts = Counts("counts", "R1.frequency", places, x, "Hz", np.random.default_rng(3).poisson(20000 * y).astype(float), None, np.full(41, 2e4), None)
+    fit = fit_counts(tube.set({"variables.A": "2298.1579465 MHz"}), counts, ["variables.A"], intervals=False)
+    value, error = fit["variables.A"]  # MHz, as it is written
+    assert abs(value - 2298.1579425) < 3.5 * error < 2e-6 and fit.p > 1e-3
