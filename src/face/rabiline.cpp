@@ -380,7 +380,7 @@ Reproduced reproduce(const std::filesystem::path& path, RunSettings settings) {
   const Origin origin = read_origin(path);
   const Setup setup = load(path);
   settings.transit = origin.transit;
-  settings.max_memory = origin.max_memory;
+  settings.max_memory = origin.rescanned ? 0 : origin.max_memory;  // which no run was given
   const auto compared = [&](auto result) {
     std::vector<std::string> paths = differing(path, image_of(result));
     if (origin.rescanned && !paths.empty())

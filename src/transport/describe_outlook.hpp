@@ -5,7 +5,7 @@
 
 namespace rabiline {
 
-/// "the field splits the paths of the levels by ...: neither one path nor no phase", where that is so.
+/// "the field splits the paths of the levels by ...: too far apart for one path, ...", where that is so.
 std::string describe_between(const StretchOutlook&);
 /// "levels are sorted: their paths come apart by ..., their phases by ... turns"; `flies_straight`: the paths
 /// of what stays coherent are not bent.

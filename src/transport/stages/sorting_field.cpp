@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "field/shaped_field.hpp"
 #include "particle/fate.hpp"
 #include "transport/plan_report.hpp"
 #include "transport/sum_sink.hpp"

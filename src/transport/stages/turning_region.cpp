@@ -234,7 +234,8 @@ Region view_of(const TurningRegion& region, const RandomKey& key) {
 std::string describe_between(const StretchOutlook& outlook) {
   return fmt::format(
       "the field splits the paths of the levels by {}, where the smallest slit, bin or spot is {}, and "
-      "spreads their phases by {:.2g} turns: neither one path nor no phase; here levels {}, by "
+      "spreads their phases by {:.2g} turns: too far apart for one path, too alike in phase for several; "
+      "here levels {}, by "
       "`outcomes` of the law",
       pretty_quantity(outlook.splitting, Dimension::length),
       pretty_quantity(outlook.feature, Dimension::length), outlook.turns,

@@ -62,7 +62,7 @@ TEST(FieldLint, SaysWhereAFieldEndsAndHowLargeItStillIs) {
   loop.reach = 0.05;
   const std::vector<Fault> found = warnings_of_fields(with(loop));
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_THAT(found[0].message, HasSubstr("a step of 0.008 of its largest"));
+  EXPECT_THAT(found[0].message, HasSubstr("abruptly, at 0.754 % of its largest"));
   EXPECT_THAT(found[0].help, HasSubstr("`reach`"));
 }
 
