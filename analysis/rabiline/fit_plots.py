@@ -1,7 +1,6 @@
 """Counts, what was fitted to them, and the residuals."""
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +12,7 @@ from . import style
 from .covariance import freedom_in_words, p_in_words
 from .fit_report import is_undetermined, verdict_of, why_unknown
 from .style import INK, LAWS, OTHERS, PALE
-from .units import base_of, fitting_scale, is_logarithmic
+from .units import as_written, base_of, fitting_scale, is_logarithmic
 
 if TYPE_CHECKING:
     from .fitting import CountsFit
@@ -27,7 +26,7 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     counts, expected, band = fit.counts.counts[order], fit.expected[order], fit.template_errors[order]
     unit, factor = base_of(fit.counts.unit)
     places = factor * fit.counts.x[order]
-    scale = fitting_scale(places, unit, (re.sub("^u", "µ", fit.counts.unit), factor))
+    scale = fitting_scale(places, unit, as_written(fit.counts.unit))
     x = np.asarray(scale.apply(places))
     lines, verdict = _numbers(fit), _verdict(fit)
     figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2 + 0.08 * len(lines + verdict)), sharex=True, layout="constrained")

@@ -20,7 +20,7 @@ from .hdf5 import EXPERIMENTS, is_hdf5
 from .line_report import described, unit_of
 from .lines import LineFit, NoLine, Poisson, fit_line
 from .reports import require_detector
-from .units import base_of, format_value, parse_quantity
+from .units import as_written, base_of, format_value, parse_quantity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -86,7 +86,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
                              f"  help: keep the rows of one value of `{counts.across.parameter}`, without that column; `rabiline fit` fits the experiment to all")
         _require_unit(counts)
         unit, factor = base_of(counts.unit)
-        written = (re.sub("^u", "µ", counts.unit), factor) if counts.unit else None
+        written = as_written(counts.unit)
         x, name, title = factor * counts.x, counts.parameter, options.file.name
         exposure, each = _exposure(counts)
         y, errors = counts.counts / exposure, Poisson(exposure)

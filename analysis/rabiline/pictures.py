@@ -19,6 +19,7 @@ from .hdf5 import IN_MEMORY, FileError
 from .measured import read_measured
 from .picture_options import OWN_OPTIONS, KeywordParser, add_options, asked_dots, asked_size, mark_of, points_of, words_of
 from .regions import read_region
+from .reports import require_detector
 from .units import law_name, parse_quantity
 
 MOST_CURVES = 8  # in one picture; a larger grid is drawn as a map
@@ -348,9 +349,7 @@ def plot_motion(options: argparse.Namespace) -> Figure:
 
 
 def _detector(file: results.Results, name: str | None) -> str:
-    if name is not None and name not in file.detectors:
-        raise InputError(f"{file.path}: no detector `{name}` (there is {', '.join(file.detectors)})")
-    return name or file.scan.detectors[0]
+    return file.scan.detectors[0] if name is None else require_detector(file, name)
 
 
 def _curves(file: results.Results, detector: str | None) -> list[Curve]:

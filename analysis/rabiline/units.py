@@ -164,6 +164,11 @@ def base_of(unit: str) -> tuple[str, float]:
     return _in_base(unit, (unit, 1.0))
 
 
+def as_written(unit: str) -> tuple[str, float] | None:
+    """A unit of a table as pictures have it, and how much it is in SI; None of none."""
+    return (re.sub("^u", "µ", unit), base_of(unit)[1]) if unit else None
+
+
 def _in_base(unit: str, otherwise: tuple[str, float] | None = None) -> tuple[str, float] | None:
     """The unit of SI, or eV, and how much of it this one is."""
     if unit in WITHOUT:

@@ -24,7 +24,7 @@ using Driven = DrivenParts::Driven;
 /// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
 bool is_far(const Transition& t, double width) { return std::abs(t.detuning) > 100 * (width + t.rabi); }
 
-/// Where it flips a twentieth at least, so that a shift of the line matters.
+/// Farther away it flips a seventeenth at most, and where exactly the line is hardly matters.
 bool is_driven(const Transition& t, double width) { return std::abs(t.detuning) < 4 * (width + t.rabi); }
 
 /// Amplitudes that the rotating-wave approximation may leave out: beside those that it has they change a

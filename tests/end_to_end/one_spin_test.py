@@ -66,15 +66,15 @@ def test_what_a_magnet_pushes_out_of_its_map_has_left_the_map(tmp_path: Path) ->
     path = tmp_path / "magnet.yaml"
     magnet = ("{name: magnet, kind: formula_field, at: 0.15 m, formula: {Bz: 0.5 + 100*z, Bx: -100*x, width: 1 cm, height: 0.1 mm, length: 10 cm, "
               "step: 1 mm}, outside: error}")
-    text = MAGNET.format(more="", gap="").replace("height: 10 um", "height: 0.1 mm").replace("particles: 4000", "particles: 2000")
+    text = MAGNET.format(more="", gap="").replace("height: 10 um", "height: 0.1 mm").replace("particles: 4000", "particles: 60000")
     path.write_text(re.sub(r"{name: magnet, .*}", magnet, text))
     assert (out := run("run", path, "-o", tmp_path / "a.h5", "--progress", "none")).returncode == 0, out.stderr
     with h5py.File(tmp_path / "a.h5") as file:
         fates = {name: file["entry/fates/particles"][:][file["entry/fates/fate"][:] == name].sum() for name in (b"left_map", b"stopped", b"detected")}
     acceleration = 9.2740e-24 * 100 / (107.868 * 1.66054e-27)
     aside = acceleration * (0.1 / 600)**2 / 2
-    assert abs(fates[b"left_map"] / 2000 - aside / 1e-4) < 3 * 0.01 and fates[b"stopped"] == 0
-    assert fates[b"left_map"] + fates[b"detected"] == 2000
+    assert abs(fates[b"left_map"] / 60000 - aside / 1e-4) < 3 * 0.0018 and fates[b"stopped"] == 0
+    assert fates[b"left_map"] + fates[b"detected"] == 60000
 
 
 @pytest.mark.parametrize("part", [
