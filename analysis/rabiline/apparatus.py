@@ -17,6 +17,7 @@ from matplotlib.patches import Rectangle
 
 from . import style
 from .argument_types import count, heading
+from .asked import MOST_TRACKS
 from .errors import InputError
 from .style import GREY, INK, LAWS, OTHERS
 from .units import Scale, fitting_scale, format_value
@@ -41,6 +42,7 @@ FIELD, DRIVE, GAS = "#d9e6f2", "#f5dcc8", "#e8e8e8"
 WIDTH = 9.0  # inches
 NAME, NAMES, MOST_ROWS = 0.37, 0.3, 3  # of a row of names: its share of the height, inches that it takes, and how many a usual picture has
 PANELS, LETTER = 0.6, 1.8  # of a picture where room is scarce: the share of its height that panels have, and lines of letters that a row takes
+SHARE, PALEST = 0.01, 0.12  # of a path's weight: a change that is seen, and the least that is drawn with its own strength
 THIN = 0.006  # of the length of the beam, drawn of what has none
 
 
@@ -65,7 +67,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", type=Path)
     parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="PNG, PDF or SVG; FILE-apparatus.png where it is missing")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
-    parser.add_argument("-n", "--paths", type=partial(count, least=0), metavar="N",
+    parser.add_argument("-n", "--paths", type=partial(count, least=0, most=MOST_TRACKS), metavar="N",
                         help=f"{PATHS} by default, or fewer where they take long to fly; 0 draws the apparatus alone")
     parser.add_argument("--title", type=heading)
 
@@ -150,7 +152,7 @@ def _traced(experiment: Experiment, paths: int | None) -> Tracks | None:
     begun, tracks = time.process_time(), experiment.trace(min(AT_ONCE, most))
     while len(tracks.tracks) < most and time.process_time() - begun < PATIENCE:
         flown = len(tracks.tracks)
-        tracks = replace(tracks, tracks=(*tracks.tracks, *experiment.trace(min(AT_ONCE, most - flown), flown).tracks))
+        tracks = replace(tracks, tracks=(*tracks.tracks, *experiment.trace(min(flown, most - flown), flown).tracks))
     return tracks
 
 
@@ -331,7 +333,7 @@ def _walls(axes: Axes, low: float, length: float, centre: float, size: float, ha
 
 
 def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
-    """One colour for each fate."""
+    """One colour for each fate, as strong as the share of the particle that is left."""
     index = "xyz".index(across)
     fates = list(dict.fromkeys(track.ending for track in tracks.tracks))
     colours = [LAWS["classical"][0], LAWS["dorado"][0], *(colour for colour, _ in OTHERS), GREY]
@@ -345,8 +347,11 @@ def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
         label = None if number in shown else fate if number < len(colours) - 1 else "elsewhere"
         shown.add(number)
         few = np.unique(np.linspace(0, track.time.size - 1, min(track.time.size, MOST_RECORDS)).astype(int))
-        axes.plot(track.position[few, 1], 1e3 * track.position[few, index].clip(-2 * half, 2 * half), color=colours[number],
-                  linewidth=0.7, alpha=0.8, zorder=4, label=label)
+        y, across, weight = track.position[few, 1], 1e3 * track.position[few, index].clip(-2 * half, 2 * half), track.weight[few]
+        edges = [0, *(np.flatnonzero(np.abs(np.diff(weight)) > SHARE) + 1), few.size]
+        for first, behind in zip(edges, edges[1:]):  # what is left of it, from the last place of what was there before
+            axes.plot(y[max(first - 1, 0):behind], across[max(first - 1, 0):behind], color=colours[number], linewidth=0.7,
+                      alpha=0.8 * max(weight[first], PALEST), zorder=4, label=None if first else label)
 
 
 def _share_of_names(rows: int, height: float) -> float:

@@ -3,8 +3,10 @@ from __future__ import annotations
 
 import re
 from argparse import ArgumentTypeError
-from math import nan
+from math import inf, nan
 from pathlib import Path
+
+from .asked import written_number
 
 LARGEST = 1e30  # of what is counted, or passes
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0}
@@ -39,11 +41,11 @@ def rate_or_zero(text: str) -> float:
     return 0.0 if _with_unit(text, "/") == 0 else rate(text)
 
 
-def count(text: str, least: int = 1) -> int:
+def count(text: str, least: int = 1, most: float = inf) -> int:
     """A whole number that is large enough; 1e5 is one, too."""
     value = _number(text)
-    if not (value >= least and value == int(value)):
-        raise ArgumentTypeError(f"`{text}` is no whole number, {least} or above")
+    if not (least <= value <= most and value == int(value)):
+        raise ArgumentTypeError(f"`{text}` is no whole number, {least} {'or above' if most == inf else f'to {most}'}")
     return int(value)
 
 
@@ -61,7 +63,7 @@ def file_name(text: str) -> Path:
 
 def _number(text: str) -> float:
     try:
-        value = float(text)
+        value = written_number(text)
     except ValueError:
         return nan
     return value if abs(value) <= LARGEST else nan

@@ -10,10 +10,17 @@ from typing import TYPE_CHECKING, Iterable
 
 from .errors import InputError
 
-MOST_THREADS = 1024
+MOST_THREADS, MOST_TRACKS = 1024, 10000
 
 if TYPE_CHECKING:
     import numpy as np
+
+
+def written_number(text: str) -> float:
+    """In plain digits, as every other program reads them; raises ValueError for what Python alone takes, such as 1_000."""
+    if "_" in text or not text.isascii():
+        raise ValueError(f"`{text}` is no number")
+    return float(text)
 
 
 def text(name: str, value: object) -> str:

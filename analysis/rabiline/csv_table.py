@@ -45,7 +45,7 @@ class Table:
         found = []
         for (line, _), cell in zip(self.rows, self.column(name)):
             try:
-                found.append(float(cell))
+                found.append(asked.written_number(cell))
             except ValueError:
                 raise FileError(self.path, f"line {line}: {f'`{cell}` is no number ({name})' if cell else f'a number of the column `{name}` is missing'}") from None
             if not abs(found[-1]) <= LARGEST_NUMBER:
@@ -120,7 +120,7 @@ def _counted(number: int, noun: str) -> str:
 
 def _is_number(text: str) -> bool:
     try:
-        return bool(float(text)) or True
+        return bool(asked.written_number(text)) or True
     except ValueError:
         return False
 

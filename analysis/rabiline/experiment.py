@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from .tracks import Tracks
 
 __version__ = _core.version
-MOST_TRACKS = 10000
 Value = Union[str, float, int, bool, Sequence, Mapping]  # numbers are in SI; texts have their unit
 
 
@@ -193,7 +192,7 @@ class Experiment:
         """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times
         in s. Raises TypeError, and ValueError for a model, a negative number and for none or too many particles."""
         from . import tracks
-        return tracks.read(_core.trace(self._setup, asked.whole_number("first", first, 0, 2**63), asked.whole_number("count", count, 1, MOST_TRACKS)))
+        return tracks.read(_core.trace(self._setup, asked.whole_number("first", first, 0, 2**63), asked.whole_number("count", count, 1, asked.MOST_TRACKS)))
 
     def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
         """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""

@@ -83,10 +83,10 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 
 
 class _Time:
-    """Says how long a fit will take, where that is long."""
+    """Says how long a fit or a forecast will take, where that is long."""
 
-    def __init__(self, parameters: int) -> None:
-        self.usual = 4 * (2 * parameters + 1) + parameters**2  # flights that explore, about
+    def __init__(self, what: str, flights: int, fewer: str) -> None:
+        self.what, self.usual, self.fewer = what, flights, fewer  # about so many that explore, and the option for smaller ones
         self.said: set[tuple[int, bool]] = set()
 
     def __call__(self, flights: int, particles: int, whole: bool, seconds: float) -> None:
@@ -94,8 +94,8 @@ class _Time:
         if (particles, whole) in self.said or seconds * needed < LONG or flights == 1:
             return
         self.said.add((particles, whole))
-        print(f"a simulation of {particles} particles takes {seconds:.2g} s; a fit needs "
-              + ("one or two of them" if whole else f"about {needed} of them, {seconds * needed:.0f} s; fewer --explore are faster"),
+        print(f"a simulation of {particles} particles takes {seconds:.2g} s; {self.what} needs "
+              + ("one or two of them" if whole else f"about {needed} of them, {seconds * needed:.0f} s; fewer {self.fewer} are faster"),
               file=sys.stderr, flush=True)
 
 
@@ -110,7 +110,7 @@ def fit(options: argparse.Namespace) -> Figure | None:
     names = _free(options)
     experiment = _experiment(options).scan()
     found = fit_counts(experiment, options.data, names, detector=options.detector, threads=options.threads, explore=options.explore,
-                       told=_Time(len(names)))
+                       told=_Time("a fit", 4 * (2 * len(names) + 1) + len(names)**2, "--explore"))
     print(found)
     if not options.output:
         return None
@@ -125,9 +125,10 @@ def forecast(options: argparse.Namespace) -> None:
     for text in options.scan:
         name, _, values = text.partition("=")
         experiment = experiment.scan(name, values)
-    print(expected(experiment, _free(options), rate=options.rate, seconds=options.seconds,
+    names = _free(options)
+    print(expected(experiment, names, rate=options.rate, seconds=options.seconds,
                    background=options.background, known_rate=options.known_rate, detector=options.detector,
-                   threads=options.threads))
+                   threads=options.threads, told=_Time("a forecast", 4 * (2 * len(names) + 1), "--particles")))
 
 
 def _experiment(options: argparse.Namespace) -> object:

@@ -3,7 +3,7 @@ the file."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Sequence
+from typing import Callable, Sequence
 
 import numpy as np
 
@@ -61,10 +61,10 @@ class Forecast:
 @np.errstate(all="ignore")  # of steps that lead nowhere
 def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None = None, seconds: float = 1.0,
              background: float | None = None, known_rate: bool = False, detector: str | None = None,
-             threads: int | None = None) -> Forecast:
+             threads: int | None = None, told: Callable[[int, int, bool, float], None] | None = None) -> Forecast:
     """For the file's one scan, `seconds` at each point. `rate` particles leave the source per second, or start towards the
     target of an aimed one; by default what the file states. `background` counts per second, of the detector by default. The
-    factor of the exposure is free unless `known_rate`. Raises NoFit where nothing can be forecast, and InputError as `load` does."""
+    factor of the exposure is free unless `known_rate`. `told` hears the flights as that of `CurveModel` does. Raises NoFit where nothing can be forecast, and InputError as `load` does."""
     free = asked.names("free", free)
     for name, value in (("rate", rate), ("seconds", seconds)):
         if value is not None and not 0 < asked.number(name, value) <= LARGEST:
@@ -80,7 +80,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     places = tuple(f"{value!r} {unit}".strip() for value in values.tolist())
     parameter = ",".join(names_of(parameter))
     names = [name for name in free if name not in (SCALE, BACKGROUND)]
-    model = CurveModel(experiment, parameter, places, names, asked.name("detector", detector), asked.threads(threads))
+    model = CurveModel(experiment, parameter, places, names, asked.name("detector", detector), asked.threads(threads), told=told)
     each = _counts_each(model, flown, rate, seconds)
     if background is None:
         background = flown.detectors[model.detector].background

@@ -74,6 +74,7 @@ def _paths(results: Tracks) -> dict[tuple[str, str], np.ndarray]:
     for attribute, names, unit in (("position", "x y z", "m"), ("velocity", "vx vy vz", "m/s"), ("spin", "sx sy sz", "")):
         values = np.concatenate([getattr(track, attribute) for track in results.tracks])
         table |= {(name, unit): values[:, i] for i, name in enumerate(names.split())}
+    table["weight", ""] = np.concatenate([track.weight for track in results.tracks])
     return table
 
 

@@ -33,6 +33,7 @@ class Track:
     position: np.ndarray  # [n, 3] m, y along the beam
     velocity: np.ndarray  # [n, 3] m/s
     spin: np.ndarray  # [n, 3] unit vector; NaN where it is not followed
+    weight: np.ndarray  # [n] what filters, gas and the like have left of it, 1 at first
     polarizers: tuple[float, ...] | None = None  # [m] where spins are aligned; None where the file does not say
 
     @property
@@ -170,4 +171,5 @@ def _read_track(group: Group, name: str, polarizers: tuple[float, ...] | None) -
     if not number.isdigit():
         raise group.error("the particle has no number")
     return Track(int(number), attribute("law"), attribute("species"), attribute("fate"), attribute("where"), time,
-                 vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz", or_none=True), polarizers)
+                 vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz", or_none=True),
+                 group.numbers("weight", time.shape) if "weight" in group else np.ones(time.size), polarizers)

@@ -7,6 +7,8 @@ from math import floor, isfinite, log10
 
 import numpy as np
 
+from .asked import written_number
+
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ELECTRONVOLT, MACROSCOPIC = 1.602176634e-19, 1e-12  # J; energies below the latter are in eV
@@ -146,7 +148,7 @@ def parse_quantity(text: str, wanted: str | None = None) -> float:
     words = text.split()
     if not 1 <= len(words) <= 2:
         raise ValueError("it has no number and unit")
-    value, unit = float(words[0]), words[1] if len(words) == 2 else ""
+    value, unit = written_number(words[0]), words[1] if len(words) == 2 else ""
     known = _in_base(unit)
     if unit and not known:
         raise ValueError(f"unknown unit {unit}")

@@ -23,8 +23,10 @@ void tell(const std::vector<Track>& tracks) {
   std::map<std::string, std::size_t> fates;
   for (const Track& t : tracks) {
     const std::string fate = fmt::format("{}{}{}", t.fate, t.where.empty() ? "" : " at ", t.where);
+    const std::string left =
+        t.weight.back() < 1 && t.weight.back() > 0 ? fmt::format(", {:.3g} of it", t.weight.back()) : "";
     if (tracks.size() <= few)
-      say(stdout, "particle {}: {}, {} places recorded\n", t.particle, fate, t.t.size());
+      say(stdout, "particle {}: {}{}, {} places recorded\n", t.particle, fate, left, t.t.size());
     ++fates[fate];
   }
   if (tracks.size() <= few) return;
@@ -50,6 +52,8 @@ void trace_command(const TraceArguments& a) {
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });
   write(tracks, setup, a.output);
   tell(tracks);
+  if (!a.particle && tracks.size() < count)
+    say(stdout, "the run has no more particles than these {}\n", tracks.size());
   say(stdout, "wrote {}\n", a.output);
 }
 

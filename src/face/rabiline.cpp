@@ -193,10 +193,10 @@ Probed probe(const Setup& setup, const std::array<double, 3>& place, double time
 std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   const LoadedExperiment& loaded = experiment_of(setup);
   if (settings.start != nullptr) require_same_run(*settings.start, setup, settings);
-  if (settings.shard.number < 1 || settings.shard.number > settings.shard.of)
+  if (!settings.shard.exists())
     throw std::invalid_argument(
         fmt::format("there is no shard {} of {}", settings.shard.number, settings.shard.of));
-  if (settings.shard.of > 1 && loaded.base.until)
+  if (!settings.shard.is_whole() && loaded.base.until)
     throw std::invalid_argument(
         "a shard cannot know whether all of them are precise enough\n  help: fly without `until`, or in one "
         "piece");
@@ -267,7 +267,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
 
   RunOutcome outcome = in_form.run(options);
   Provenance provenance = record.finish();
-  if (!leads || !outcome.finished || settings.shard.of > 1) return std::nullopt;
+  if (!leads || !outcome.finished || !settings.shard.is_whole()) return std::nullopt;
   std::optional<FlightRecord> flight;
   std::string_view why_not_kept;
   const int halvings = outcome.halvings;
@@ -331,7 +331,6 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
 std::vector<Track> trace(const Setup& setup, std::uint64_t first, std::uint64_t count,
                          const RunSettings& settings) {
   const LoadedExperiment& loaded = experiment_of(setup);
-  const Isa isa = isa_called(settings.isa);
   if (settings.planned) {
     Experiment alone;
     alone.points = {loaded.base};
@@ -341,10 +340,11 @@ std::vector<Track> trace(const Setup& setup, std::uint64_t first, std::uint64_t 
   if (first >= all)
     throw std::invalid_argument(
         fmt::format("there is no particle {}; the run has {}, counted from 0", first, all));
-  std::vector<Track> tracks;
-  for (std::uint64_t particle = first; particle < all && tracks.size() < count; ++particle) {
+  const Plan plan = plan_of_tracks(loaded.base);
+  std::vector<Track> tracks(std::min(count, all - first));
+  for (Track& track : tracks) {
     if (settings.stop != nullptr && *settings.stop) throw Stopped();
-    tracks.push_back(trace(loaded.base, particle, isa));
+    track = trace(loaded.base, plan, first++, isa_called(settings.isa));
   }
   return tracks;
 }

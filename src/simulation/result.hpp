@@ -180,6 +180,7 @@ struct Track {
   std::vector<double> vx, vy, vz;  // [m/s]
   /// The spin's expectation over its size, <S>/(hbar I); of an atom m_F/(I + J) along z.
   std::vector<double> sx, sy, sz;
+  std::vector<double> weight;  // what filters, gas and the like have left of it, 1 at first
 };
 
 /// Paths, and what they led through.

@@ -34,10 +34,13 @@ enum class KeptTransit { if_small, none, totals, images };
 
 /// A share of a run's work that is flown by itself, 1 to `of`.
 struct Shard {
-  std::uint64_t number = 1, of = 1;
+  std::uint64_t number = 0, of = 0;  // of none, the whole
+  bool is_whole() const { return of == 0; }
+  bool exists() const { return is_whole() ? number == 0 : number >= 1 && number <= of; }
   bool operator==(const Shard&) const = default;
   /// Of so many places, those that belong to it.
   std::pair<std::uint64_t, std::uint64_t> places(std::uint64_t all) const {
+    if (is_whole()) return {0, all};
     const auto end_of = [&](std::uint64_t k) { return all / of * k + std::min(k, all % of); };
     return {end_of(number - 1), end_of(number)};
   }

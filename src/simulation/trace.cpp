@@ -49,6 +49,7 @@ class Tracer {
     batch_.view().count = 1;
     batch_.view().padded = 8;
     kernel::emit(isa_)(tree.source, particle, batch_.view());
+    emitted_ = static_cast<double>(batch_.view().weight[0]);
     const Component& component = beamline.species[static_cast<std::size_t>(tree.component)];
     zones_ = zones_along(beamline, component);
     along_ = parts_along(component.species, tree.source.spin.levels);
@@ -223,8 +224,9 @@ class Tracer {
   void record(double t, const double* place, const double* velocity, const double* spin) {
     const double part = along_.empty() ? 1 : along_[batch_.view().level[0]];
     const double sx = part * spin[0], sy = part * spin[1], sz = part * spin[2];
+    const double weight = emitted_ > 0 ? static_cast<double>(batch_.view().weight[0]) / emitted_ : 0;
     if (!track_.t.empty() && track_.t.back() == t && track_.y.back() == place[1] && track_.sx.back() == sx &&
-        track_.sy.back() == sy && track_.sz.back() == sz)
+        track_.sy.back() == sy && track_.sz.back() == sz && track_.weight.back() == weight)
       return;
     track_.t.push_back(t);
     track_.x.push_back(place[0]);
@@ -236,6 +238,7 @@ class Tracer {
     track_.sx.push_back(sx);
     track_.sy.push_back(sy);
     track_.sz.push_back(sz);
+    track_.weight.push_back(weight);
   }
 
   const Beamline& beamline_;
@@ -243,6 +246,7 @@ class Tracer {
   const Isa isa_;
   Batch batch_;
   std::vector<SpinZone> zones_;  // along the whole beam
+  double emitted_ = 0;           // its first weight [quanta]
   std::vector<double> along_;    // of each level, what its spin has along z or the image of z
   double spin_at_ = 0;           // [m] where the batch's spin is the particle's
   Batch recorded_;               // the batch with its spin further on, for places along a straight flight
@@ -253,13 +257,14 @@ class Tracer {
 
 }  // namespace
 
-Track trace(const Beamline& beamline, std::uint64_t particle, Isa isa) {
-  // A track follows one branch.
+Plan plan_of_tracks(Beamline beamline) {
   Experiment experiment;
-  Beamline sampled = beamline;
-  sampled.law = without_splitting(beamline.law);
-  experiment.points = {std::move(sampled)};
-  const Plan plan = make_plan(experiment);
+  beamline.law = without_splitting(beamline.law);
+  experiment.points = {std::move(beamline)};
+  return make_plan(experiment);
+}
+
+Track trace(const Beamline& beamline, const Plan& plan, std::uint64_t particle, Isa isa) {
   for (const PlanTree& tree : plan.trees)
     if (particle >= tree.first && particle < tree.last) return Tracer(beamline, tree, particle, isa).fly();
   throw std::out_of_range(

@@ -42,8 +42,7 @@ void require_valid(const Snapshot& snapshot, const Path& path) {
       (!sums.at.empty() && sums.at.back() >= sums.size))
     refuse(path, "its sums are not in order");
   if (sums.size > longest_row || snapshot.finished.size() > most_intervals) refuse(path, "it is too large");
-  if (snapshot.shard.number < 1 || snapshot.shard.number > snapshot.shard.of)
-    refuse(path, "it is of no shard");
+  if (!snapshot.shard.exists()) refuse(path, "it is of no shard");
   std::uint64_t free_from = 0;
   for (const auto& [begin, end] : snapshot.finished) {
     if (begin < free_from || end <= begin) refuse(path, "its particles are not in order");

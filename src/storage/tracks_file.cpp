@@ -27,6 +27,7 @@ const std::vector<Column>& columns() {
       {"sx", "1", "spin along x over its largest value, of an atom that of F", &Track::sx},
       {"sy", "1", "spin along y over its largest value, of an atom that of F", &Track::sy},
       {"sz", "1", "spin along z over its largest value, of an atom that of F", &Track::sz},
+      {"weight", "1", "what filters, gas and the like have left of the particle", &Track::weight},
   };
   return all;
 }

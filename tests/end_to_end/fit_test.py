@@ -379,6 +379,8 @@ def test_a_species_of_the_file_can_be_fitted(ramsey: rabiline.Experiment, fringe
     ("C1.frequency [kHz],counts\n29,0\n30,0\n", "nothing was counted at any point"),
     ("C1.frequency [kHz],counts\n29,1\n29.1\n", "line 3: 1 value in 2 columns"),
     ("C1.frequency [kHz],counts\n29,x\n", "line 2: `x` is no number"),
+    ("C1.frequency [kHz],counts\n29,1_000\n", "line 2: `1_000` is no number"),
+    ("C1.frequency [kHz],counts\n29,\u0661\u0662\n", "line 2: `\u0661\u0662` is no number"),
     ("frequency [kHz],counts\n29,1\n30,1\n", "column `frequency \\[kHz\\]`: nothing in the file is called `frequency`\n  help: did you mean"),
     ("C1.frequency,counts\n29,1\n30,1\n", "it has no unit\n  help: write `C1.frequency \\[Hz\\]`"),
     ("C1.frequency [khz],counts\n29,1\n30,1\n", "write `kHz`"), ("C1.frequency [kHz];counts\n29;1\n", "a comma stands between columns"),

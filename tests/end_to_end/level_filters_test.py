@@ -109,3 +109,17 @@ def test_what_filters_and_coils_cannot_mean_is_told(tmp_path: Path) -> None:
     assert "has two, I and J" in refused(tmp_path, head + coil + SCREEN)
     tilted = PASS.replace("levels:", "tilt: {x: 90 deg}, levels:") % "F=1 m=0"
     assert "omit `tilt`" in refused(tmp_path, head + tilted + SCREEN)
+
+
+def test_a_path_says_what_filters_have_left_of_its_particle(tmp_path: Path) -> None:
+    (tmp_path / "in.yaml").write_text(HEAD % ("H atom", EVERY) + HARD + PASS % "F=1 m=+1" + SCREEN)
+    subprocess.run([RABILINE, "trace", tmp_path / "in.yaml", "-n", "40", "-o", tmp_path / "tracks.h5"], check=True, capture_output=True)
+    one = subprocess.run([RABILINE, "trace", tmp_path / "in.yaml", "-n", "12", "-o", tmp_path / "few.h5"], check=True, capture_output=True, text=True)
+    with h5py.File(tmp_path / "tracks.h5") as file:
+        paths = [track for name, track in file["entry"].items() if name.startswith("particle_")]
+        left = [{part: track["weight"][:][place] for part, place in (("before", track["y"][:] < 0.2), ("behind", track["y"][:] > 0.2))} for track in paths]
+    assert all((path["before"] == 1).all() for path in left)
+    shares = [float(path["behind"][-1]) for path in left]
+    assert {round(share, 9) for share in shares} == {0.1, 0.9}
+    assert one.stdout.count("detected at behind, 0.9 of it") + one.stdout.count("detected at behind, 0.1 of it") == 12
+    assert abs(np.mean(shares) - 0.3) < 4 * 0.8 * np.sqrt(3 / 16 / 40)  # a quarter of them are in the level that passes

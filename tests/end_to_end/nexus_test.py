@@ -91,7 +91,7 @@ def check_tracks(file):
     assert default is not None and default.is_valid
     assert default.signal_dataset_name == "x" and default.axes_dataset_names == ["y"]
     for track in groups_of_class(file, "NXdata"):
-        for name in ("t", "z", "vx", "vy", "vz", "sx", "sy", "sz"):
+        for name in ("t", "z", "vx", "vy", "vz", "sx", "sy", "sz", "weight"):
             assert track[name].shape == track["x"].shape and track[name].attrs["units"]
         for name in ("particle", "species", "fate", "where"):
             assert name in track.attrs

@@ -135,6 +135,7 @@ TEST(Merger, RefusesShardsThatOverlapOrAreForeignOrUnfinishedOrMissing) {
   EXPECT_NE(refusal_of({flown({1, 2}, 1), flown({1, 2}, 2)}).find("s1 and s2 are both shard 1/2"),
             std::string::npos);
   EXPECT_NE(refusal_of({flown({1, 4}, 1), flown({3, 4}, 3)}).find("missing: 2, 4"), std::string::npos);
+  EXPECT_NE(refusal_of({flown({}, 1)}).find("s1: is of a run in one piece"), std::string::npos);
   EXPECT_NE(refusal_of({flown({1, 2}, 1), flown({2, 3}, 2)}).find("s2: is one of 3 shards"),
             std::string::npos);
   Snapshot foreign = flown({2, 2}, 2);

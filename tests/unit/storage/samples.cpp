@@ -142,7 +142,7 @@ std::vector<Track> tracks() {
     track.where = "chamber";
     double first = 0;
     for (auto column : {&Track::t, &Track::x, &Track::y, &Track::z, &Track::vx, &Track::vy, &Track::vz,
-                        &Track::sx, &Track::sy, &Track::sz}) {
+                        &Track::sx, &Track::sy, &Track::sz, &Track::weight}) {
       track.*column = numbers(first += 100, 5);
     }
     made.push_back(track);
