@@ -47,6 +47,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn, Sequence, TextIO
 
+from . import asked
 from .argument_types import file_name
 from .errors import TURNING
 
@@ -136,6 +137,12 @@ class Parser(argparse.ArgumentParser):
         if table and "--data" in self._option_string_actions and not any(word.startswith("--data") or word in ("-o", "--output") for word in words):
             self.error(f"{table} is a table of counts: write --data {table}")
         return super().parse_args(words)
+
+    def _check_value(self, action: argparse.Action, value: object) -> None:
+        """One of several words, or the one that is meant."""
+        if action.choices is not None and value not in action.choices:
+            names = [str(one) for one in action.choices]
+            raise argparse.ArgumentError(action, f"there is no `{value}`, but {', '.join(names)}{asked.near(str(value), names)}")
 
     def error(self, message: str) -> NoReturn:
         unknown = next((word for word in message.split() if word.startswith("--")), "") if message.startswith("unrecognized") else ""

@@ -24,7 +24,7 @@ from .units import Scale, fitting_scale, format_value
 
 if TYPE_CHECKING:
     from .experiment import Experiment
-    from .tracks import Track, Tracks
+    from .tracks import Tracks
 
 PATHS = 50
 PLACES = 600  # along the beam, where fields are probed

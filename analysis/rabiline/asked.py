@@ -120,6 +120,12 @@ def _kind(value: object) -> str:
     return "a text" if isinstance(value, str) else type(value).__name__
 
 
+def near(name: str, names: Iterable[str]) -> str:
+    """", did you mean `clock`?" where one of the names is like it."""
+    found = difflib.get_close_matches(name, list(names), 1, 0.5)
+    return f"; did you mean `{found[0]}`?" if found else ""
+
+
 def place_of(name: object, names: tuple[str, ...], given: tuple[str, ...] = ()) -> int:
     """The number of one of these names; of others what is asked for is `given` by the counts. Raises KeyError."""
     if name in given:

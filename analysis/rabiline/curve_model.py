@@ -95,6 +95,9 @@ class CurveModel:
         for name in self.names:
             if {*names_of(self.parameter), *names_of(self.across[0] if self.across else "")} & set(name.split("+")):
                 raise NoFit(f"`{name}` is scanned, so it is not free\n  help: `rabiline fit-line` has the centre of a line; of an experiment what moves the line is free, a field or a number under `variables:`")
+            for one in name.split("+"):
+                if self._follows_the_scan(one):
+                    raise NoFit(f"`{one}` follows `{self.parameter}`, which is scanned, so it is not free\n  help: `rabiline fit-line` has the centre of a line; of an experiment what moves the line is free")
             of_exposure = {"source.rate": f"{SCALE}` instead, a factor of all that is expected",
                            f"{self.detector}.background": f"{BACKGROUND}` instead, in counts at each point"}
             for one in set(name.split("+")) & set(of_exposure):
@@ -121,6 +124,13 @@ class CurveModel:
                         f"has only {len(self.places)} places: measure on a grid, or fit one scan at a time")
         rows = np.array([outer.index(one) * len(inner) + inner.index(other) for one, other in zip(values, self.places)])
         return experiment.scan(name, ",".join(outer)).scan(self.parameter, ",".join(inner)), rows
+
+    def _follows_the_scan(self, name: str) -> bool:
+        """Whether a parameter has another value at another place, by a variable in it."""
+        try:
+            return len({self.experiment.scan().set(dict.fromkeys(names_of(self.parameter), place)).value(name) for place in (self.places[0], self.places[-1])}) > 1
+        except (InputError, KeyError):
+            return False
 
     def _unit(self, name: str) -> str:
         if name in ("seed", "particles"):

@@ -115,7 +115,7 @@ class Experiment:
         """The unit in which the number called `name` is written, in the latest change of it or in the file, and how much that is in SI. None
         where it is not found in a unit that tables are read in."""
         from .units import QUANTITY, base_of
-        value, unit = self._setup.value(name) or (0.0, "")
+        value, unit = self._known(name) or (0.0, "")
         changed = [change.partition("=")[2] for change in self.changes if change.startswith(f"{name}=")]
         place, text = ("", changed[-1]) if changed else (_place(name), self.origin.text)
         for number, written in re.findall(place + QUANTITY, text, re.DOTALL | re.MULTILINE):
@@ -205,21 +205,21 @@ class Experiment:
 
     def _number(self, name: str) -> tuple[float, str]:
         asked.text("`name`", name)
-        found = self._variable(name.removeprefix("variables.")) if name.startswith("variables.") else self._setup.value(name)
+        found = self._known(name)
         if found is None:
             raise KeyError(f"`{name}` is no number of {self.title}")
         return found
 
+    def _known(self, name: str) -> tuple[float, str] | None:
+        """A number and its unit in SI; None where it is none."""
+        return self._variable(name.removeprefix("variables.")) if name.startswith("variables.") else self._setup.value(name)
+
     def _variable(self, name: str) -> tuple[float, str] | None:
-        """A number with a unit of the file's `variables`, in that unit."""
+        """That of the file's `variables`."""
         block = re.search(r"^variables:((?:[^\n]*\n)(?:[ \t]+[^\n]*\n|\n)*)", self.origin.text + "\n", re.MULTILINE)
         written = [change.partition("=")[2] for change in self.changes if change.startswith(f"variables.{name}=")]
         found = re.search(rf"(?<![\w.]){name}\s*:\s*([^,}}#\n]+)", block[1]) if block else None
-        words = (written[-1:] or [found[1] if found else ""])[0].strip().strip("'\"").split()
-        try:
-            return (float(words[0]), " ".join(words[1:])) if words else None
-        except ValueError:
-            return None
+        return _core.in_si((written[-1:] or [found[1] if found else ""])[0].strip().strip("'\""))
 
     def _text(self, name: str, value: Value) -> str:
         """As the file would have it."""
@@ -234,11 +234,11 @@ class Experiment:
                 raise TypeError(f"`{name}` is a list or a mapping of numbers, texts, lists and mappings, which do not hold one another") from None
         if not isinstance(value, Real):
             raise TypeError(f"`{name}` is a number in SI, a text with its unit, a list or a mapping, not {type(value).__name__}")
-        if isinstance(value, int) or float(value).is_integer() and (self._setup.value(name) or (0, ""))[1] == "":
+        if isinstance(value, int) or float(value).is_integer() and (self._known(name) or (0, ""))[1] == "":
             number = str(int(value))
         else:
             number = repr(float(value))
-        unit = (self._setup.value(name) or (0.0, ""))[1]
+        unit = (self._known(name) or (0.0, ""))[1]
         return f"{number} {unit}".strip()
 
 

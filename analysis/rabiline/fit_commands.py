@@ -77,7 +77,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
         parser.add_argument("--scan", action="append", default=[], metavar="NAME=FROM:TO:POINTS")
     parser.add_argument("--free", required=True, metavar="NAME[,NAME]", help="dotted names, as in --set")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="change a parameter for this time")
-    parser.add_argument("--particles", metavar="N", help="simulated at each scan point")
+    parser.add_argument("--particles", type=count, metavar="N", help="simulated at each scan point")
     parser.add_argument("--detector", metavar="NAME")
     parser.add_argument("--threads", type=count, metavar="T", help="all that there are by default")
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
 WIDE = 0.05  # relative: a spread of times of flight by which it matters how they are distributed
+TOGETHER = 0.999  # a p of points whose errors have much in common
 MOST_OTHERS = 5  # told by their centres
 UNDETERMINED = "not known"
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
@@ -64,7 +65,9 @@ def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = No
         lines.append("           no line can be that deep: flight times differ, and the form has one, so that strength, time and contrast are effective")
     if "spread" in fitted.names and fitted["spread"][0] > WIDE:
         lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
-    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}{'' if fitted.deviance is not None else ', without correlations'}")
+    together = fitted.deviance is None and fitted.p > TOGETHER
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, " + (
+        "as little as where points err together" if together else p_in_words(fitted.p) + ("" if fitted.deviance is not None else ", without correlations")))
     for centres, chi_squared in fitted.others[:MOST_OTHERS]:
         places = " and ".join(format_value(centre, unit, None, written) for centre in centres)
         other = "another fringe: centre" if fitted.form == "ramsey" else "another line: centre" if len(centres) == 1 else "other lines: centres"

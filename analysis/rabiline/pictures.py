@@ -10,7 +10,7 @@ from typing import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from . import (angle_plots, field_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
+from . import (angle_plots, asked, field_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
                space_plots, stated, style, tally_plots, track_plots, tracks, transit_plots)
 from .curves import Curve, NoResonance, curves, labels_of
 from .errors import InputError, as_keywords
@@ -275,7 +275,7 @@ def plot_tally(options: argparse.Namespace) -> Figure:
     """A tally of a monitor or a detector, over one or two of its axes."""
     file = _results(options.file)
     if options.name not in file.tallies:
-        there = f"there is {', '.join(file.tallies)}" if file.tallies else "it has none"
+        there = f"there is {', '.join(file.tallies)}{asked.near(options.name, file.tallies)}" if file.tallies else "it has none"
         raise InputError(f"{file.path}: no tally `{options.name}` ({there})")
     tally = file.tallies[options.name]
     names = [axis.name for axis in tally.axes]

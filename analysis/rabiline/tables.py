@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from .results import Results
     from .tracks import Tracks
 
+NOT_TABLES = {".h5": "a result", ".yaml": "an experiment", ".yml": "an experiment", ".json": "JSON",
+              **dict.fromkeys((".xlsx", ".xls", ".ods"), "a workbook"), **dict.fromkeys((".png", ".pdf", ".svg"), "a picture")}
 LINE = 1 << 16  # bytes that are read of one
 CONTROL = dict.fromkeys((*range(32), *range(127, 160), *TURNING), " ")
 
@@ -103,8 +105,8 @@ def _in_one_line(text: str) -> str:
 
 
 def _require_own(path: Path) -> None:
-    if path.suffix in (".h5", ".yaml", ".yml"):
-        raise InputError(f"{path} is named like a result or an experiment, and what is written is CSV; name it {path.with_suffix('.csv')}")
+    if path.suffix in NOT_TABLES:
+        raise InputError(f"{path} is named like {NOT_TABLES[path.suffix]}, and what is written is CSV; name it {path.with_suffix('.csv')}")
     if path.is_file() and path.stat().st_size:
         with path.open(encoding="utf-8", errors="replace") as file:
             if not file.readline(LINE).startswith("# ") or not file.readline(LINE).startswith("# rabiline"):

@@ -145,7 +145,8 @@ def _with_power(number: str) -> str:
 def parse_quantity(text: str, wanted: str | None = None) -> float:
     """"291.65 kHz", "3 meV" or "2.5" as a finite SI number; raises ValueError. The unit is one that takes prefixes, and of the
     kind of the wanted one where there is such."""
-    words = text.split()
+    glued = re.fullmatch(QUANTITY, text.strip())
+    words = [glued[1], glued[2]] if glued and not re.fullmatch(r"[eE][-+]?\d*", glued[2]) else text.split()
     if not 1 <= len(words) <= 2:
         raise ValueError("it has no number and unit")
     value, unit = written_number(words[0]), words[1] if len(words) == 2 else ""

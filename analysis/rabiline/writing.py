@@ -4,7 +4,7 @@ from __future__ import annotations
 import errno
 import os
 import shlex
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Iterator
 
@@ -30,7 +30,8 @@ def whole(path: Path | str) -> Iterator[Path]:
         raise _refused(path, problem.strerror or str(problem), HELP.get(problem.errno, "choose another place")) from None
     finally:
         if new != path:
-            new.unlink(missing_ok=True)
+            with suppress(OSError):  # of a folder that nothing is written to: what is wrong has been said
+                new.unlink(missing_ok=True)
 
 
 def require_place(path: Path) -> None:

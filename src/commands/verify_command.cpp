@@ -6,6 +6,7 @@
 
 #include "commands/common.hpp"
 #include "commands/stop.hpp"
+#include "storage/safe_file.hpp"
 
 namespace rabiline {
 namespace {
@@ -40,6 +41,7 @@ int reproduce_command(const ReproduceArguments& a, Ranks* ranks) {
         }
         const std::filesystem::path other = a.file.stem().string() + "-again.h5";
         require_place(other, {{a.file.string(), {}}});
+        back_up(other);
         write(result, other);
         say(stderr,
             "error: {} comes out otherwise here\n{}  help: compare it with {}: another version of the "

@@ -16,7 +16,8 @@ constexpr double start_up = 0.012,  // [s] of the program
     each_bin = 9e-8;                // [s] to finish and write its count and error
 constexpr std::uint64_t first_particles = 8;
 constexpr double enough = 5e-3, plenty = 0.25;  // [s] to time a difference well; to time anything well
-constexpr std::size_t most_sums = 1U << 23;     // 128 MiB: beyond that, nothing is flown for a line of text
+constexpr double longest = 0.5;  // [s] of the first particles: what takes more is told as it is reckoned
+constexpr std::size_t most_sums = 1U << 23;  // 128 MiB: beyond that, nothing is flown for a line of text
 
 double bins_of(const Experiment& experiment) {
   double bins = 0;
@@ -60,8 +61,9 @@ double time_of_flight(const Plan& plan) {
   const double all = estimate_of(plan);
   const double clearing = static_cast<double>(plan.sums * sizeof(Sum)) / 2e9;  // [s], once more or less
   if (plan.sums > most_sums) return all;
-  if (plan.trees.size() > many_trees && all < plenty) return time_to_fly(plan);
   const std::size_t last = plan.trees.size() - 1;
+  if (estimate_of(sample_of(plan, first_particles, {last / 2})) > longest) return all;
+  if (plan.trees.size() > many_trees && all < plenty) return time_to_fly(plan);
   std::uint64_t particles = first_particles;
   double flown = 0, seconds = 0;
   const std::vector<std::size_t> one{last / 2}, three{0, last / 2, last};

@@ -1,6 +1,9 @@
 #pragma once
 // B and its nine derivatives at a place, of shaped terms, for any number type: what kernels and the host read
 // is one formula. `Maths` (field/host_maths.hpp, field/lane_maths.hpp) has what it needs beyond + - * /.
+#include <cmath>
+#include <initializer_list>
+
 #include "field/shaped_term.hpp"
 
 namespace rabiline {
@@ -38,23 +41,37 @@ inline bool nothing_may_leave(const ShapedTerm& term) {
          (term.kind == ShapedKind::round_map && term.round_map.outside == MapOutside::error);
 }
 
-/// 1 where a map ends that nothing may leave (`outside: error`), else 0.
+/// 1 beside a map that nothing may leave (`outside: error`), else 0. In front of it and behind, on the beam's
+/// way, nothing has left it: of a map that is turned these are the faces that look along the beam most, of a
+/// round one across the beam its curved side.
 template <class Maths, class Number>
 [[gnu::always_inline]] inline Number is_lost(const ShapedTerm& term, const Number& x, const Number& y,
                                              const Number& z) {
   const Number none = x - x;
   Number own[3], inside = none + 1.0;
   own_place(term, x, y, z, own);
-  if (term.kind == ShapedKind::map && term.map.outside == MapOutside::error)
+  const double beam[3] = {term.turned ? term.axes[1] : 0, term.turned ? term.axes[4] : 1,
+                          term.turned ? term.axes[7] : 0};  // along the beam, squared below
+  const double along[3] = {beam[0] * beam[0], beam[1] * beam[1], beam[2] * beam[2]};
+  if (term.kind == ShapedKind::map && term.map.outside == MapOutside::error) {
+    const int through = along[1] >= along[0] && along[1] >= along[2] ? 1 : along[0] >= along[2] ? 0 : 2;
     for (int a = 0; a < 3; ++a)
-      inside =
-          inside * spline_cell<Maths>(own[a], term.map.begin[a], term.map.scale[a], term.map.nodes[a]).inside;
+      if (a != through)
+        inside = inside *
+                 spline_cell<Maths>(own[a], term.map.begin[a], term.map.scale[a], term.map.nodes[a]).inside;
+  }
   if (term.kind == ShapedKind::round_map && term.round_map.outside == MapOutside::error) {
     const RoundMapShape& map = term.round_map;
-    inside = spline_cell<Maths>(Maths::root(own[0] * own[0] + own[1] * own[1]), map.begin[0], map.scale[0],
-                                map.nodes[0])
-                 .inside *
-             spline_cell<Maths>(own[2], map.begin[1], map.scale[1], map.nodes[1]).inside;
+    if (along[2] > 0.5) {
+      inside = spline_cell<Maths>(Maths::root(own[0] * own[0] + own[1] * own[1]), map.begin[0], map.scale[0],
+                                  map.nodes[0])
+                   .inside;
+    } else {
+      const double across = std::sqrt(along[0] + along[1]);
+      const Number beside = own[0] * (beam[1] / across) - own[1] * (beam[0] / across);
+      inside = spline_cell<Maths>(beside, map.begin[0], map.scale[0], map.nodes[0]).inside *
+               spline_cell<Maths>(own[2], map.begin[1], map.scale[1], map.nodes[1]).inside;
+    }
   }
   return 1.0 - inside;
 }

@@ -14,7 +14,9 @@ class SectionBuilder;
 struct SpinFilter {
   static constexpr std::string_view
       kind = "spin_filter",
-      meaning = "passes spins along an axis better than spins against it: a polariser or an analyser";
+      meaning =
+          "passes spins along an axis better than spins against it, a share of each particle's weight: a "
+          "polariser or an analyser";
   static constexpr PartTraits traits{.one_way = true, .sets_spins = true};
   static constexpr std::string_view example = "axis: z, up: 1, down: 0";
   std::optional<UnitVector> axis{};

@@ -17,20 +17,8 @@
 namespace rabiline {
 namespace {
 
-/// What of a field is along B and leaves m as it is, and what turns right-handed and left-handed about it: m
-/// + 1 and m - 1 of the upper level.
-std::string parts_of(const RotatingTerm& drive) {
-  const double swings = drive.amplitude * portable::hypot(drive.first.x, drive.first.y) / 2;
-  const int sense = sense_of(drive);
-  const auto sigma = [&](int which) {
-    return tesla(sense == 0 ? swings : sense * which > 0 ? drive.amplitude : 0);
-  };
-  return fmt::format("pi {}, sigma+ {}, sigma- {}",
-                     tesla(sense == 0 ? drive.amplitude * std::abs(drive.first.z) : 0), sigma(1), sigma(-1));
-}
-
 /// The nearest transitions, a line each: so many, and all within 100 widths where `all`.
-void tell_transitions(const Structure& structure, const LevelZone& zone, double width, std::size_t least,
+void tell_transitions(const Structure& structure, const DrivenZone& zone, double width, std::size_t least,
                       bool all, std::vector<std::string>& out) {
   const std::vector<Transition> near = transitions_near(structure, zone);
   if (near.empty()) out.emplace_back("    no transition turns with it");
@@ -38,7 +26,7 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
     std::string flips;
     // Of two photons the same field always shifts the line, by about as much as it drives it.
     if (const double rate = portable::hypot(t.rabi, t.detuning - (t.photons == 2 ? t.shift : 0));
-        zone.drive->envelope.shape == Shape::rectangular && !is_pulsed(zone) && rate > 0)
+        zone.is_even && !is_pulsed(zone) && rate > 0)
       flips = fmt::format(", alone it flips {:.3g}",
                           portable::pow(t.rabi / rate * portable::sin(std::numbers::pi * rate / width), 2));
     const std::string shift =
@@ -96,12 +84,12 @@ const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Be
     const SampledTables::Driven& tabled = plan_.tables->driven_by(path.transitions);
     made.neglected = tabled.levels.neglected();
     made.largest_slowness = tabled.largest_slowness;
-    std::ranges::copy_if(tabled.zones, std::back_inserter(made.zones),
-                         [](const LevelZone& zone) { return zone.drive.has_value(); });
+    for (const LevelZone& zone : tabled.zones)
+      if (zone.drive) made.zones.push_back(driven_zone(zone));
   }
-  for (const LevelZone& zone : made.zones) {
+  for (const DrivenZone& zone : made.zones) {
     double begin = zone.begin, end = zone.end;
-    for (const LevelZone& other : made.zones) {
+    for (const DrivenZone& other : made.zones) {
       if (other.part != zone.part) continue;
       begin = std::min(begin, other.begin);
       end = std::max(end, other.end);
@@ -133,10 +121,9 @@ void DrivenParts::collect(int component, const Stage& stage, const std::vector<i
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
 }
 
-double DrivenParts::speed_at(std::size_t point, int component) {
+MeanFlight DrivenParts::flight_at(std::size_t point, int component) {
   const Beamline& beamline = beamline_at(static_cast<int>(point));
-  return mean_speed(beamline.source.speed,
-                    beamline.species[static_cast<std::size_t>(component)].species.mass);
+  return mean_flight(beamline, beamline.species[static_cast<std::size_t>(component)].species.mass);
 }
 
 /// The zone of one point that is that of another one: a drive may have no amplitude at some.
@@ -151,30 +138,31 @@ std::optional<std::size_t> DrivenParts::zone_called(const Driven& at, const Driv
 }
 
 void DrivenParts::add_zone(const Driven& most, std::size_t number, const std::vector<const Driven*>& at,
-                           double speed, std::vector<std::string>& out) const {
+                           const MeanFlight& flight, std::vector<std::string>& out) const {
   const std::size_t last = at.size() - 1;
-  const LevelZone* before = nullptr;
+  const DrivenZone* before = nullptr;
   for (const std::size_t point : std::set<std::size_t>{0, last / 2, last}) {
     const std::optional<std::size_t> same = at[point] ? zone_called(*at[point], most, number) : std::nullopt;
     if (!same || (before && *before == at[point]->zones[*same])) continue;
-    const LevelZone& zone = at[point]->zones[*same];
+    const DrivenZone& zone = at[point]->zones[*same];
     const bool first = before == nullptr;
     before = &zone;
-    const double width = width_of(zone, at[point]->lengths[*same], speed);
+    const double width =
+        width_of(zone, at[point]->lengths[*same], flight.speed_between(zone.begin, zone.end));
     out.push_back(fmt::format("at B = {}{}{}: {}, width {} {}", tesla(zone.field),
                               at[point]->on_way ? ", where a line is nearest" : "",
                               last == 0 ? "" : fmt::format(", scan point {}", point + 1),
-                              megahertz(zone.drive->oscillator.frequency),
-                              is_pulsed(zone) ? "of a pulse" : "v/L",
+                              megahertz(zone.frequency), is_pulsed(zone) ? "of a pulse" : "v/L",
                               pretty_quantity(width, Dimension::frequency)));
     if (first)
-      out.push_back(fmt::format("    its parts about {}: {}", zone.field < 0 ? "+z, against B" : "B",
-                                parts_of(*zone.drive)));
+      out.push_back(fmt::format("    its parts about {}: pi {}, sigma+ {}, sigma- {}",
+                                zone.field < 0 ? "+z, against B" : "B", tesla(std::abs(zone.parts.along)),
+                                tesla(zone.parts.right), tesla(zone.parts.left)));
     tell_transitions(at[point]->structure, zone, width, first ? 3 : 1, first, out);
   }
 }
 
-std::vector<std::string> DrivenParts::lines(int component, int part, double speed) const {
+std::vector<std::string> DrivenParts::lines(int component, int part, const MeanFlight& flight) const {
   std::vector<std::string> out;
   const auto found = parts_.find(
       {component, experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name});
@@ -183,10 +171,10 @@ std::vector<std::string> DrivenParts::lines(int component, int part, double spee
   const Driven& driven = **std::ranges::max_element(
       at, {}, [](const Driven* d) { return d == nullptr ? -1 : static_cast<int>(d->zones.size()); });
   std::vector<std::vector<std::string>> told;
-  const std::vector<LevelZone>& zones = driven.zones;
+  const std::vector<DrivenZone>& zones = driven.zones;
   for (std::size_t i = 0; i < zones.size(); ++i) {
     told.emplace_back();
-    add_zone(driven, i, at, speed, told.back());
+    add_zone(driven, i, at, flight, told.back());
     const auto same =
         static_cast<std::size_t>(std::find(told.begin(), told.end(), told.back()) - told.begin());
     out.push_back(fmt::format("{} drives from {:.4f} to {:.4f} m{}", driven.names[i], zones[i].begin,
@@ -199,8 +187,7 @@ std::vector<std::string> DrivenParts::lines(int component, int part, double spee
   double neglected = 0;
   for (const Driven* d : at)
     if (d != nullptr) neglected = std::max(neglected, d->neglected);
-  const bool profiled = std::ranges::any_of(
-      zones, [](const LevelZone& zone) { return zone.drive->envelope.shape != Shape::rectangular; });
+  const bool profiled = std::ranges::any_of(zones, [](const DrivenZone& zone) { return !zone.is_even; });
   out.push_back(profiled
                     ? fmt::format("probabilities worked out for each particle: profiles in steps, to 1e-8 "
                                   "down to {:.4g} m/s; all else exact",

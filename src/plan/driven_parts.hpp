@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "beamline/experiment.hpp"
+#include "plan/level_lines.hpp"
 #include "plan/plan.hpp"
+#include "transport/mean_flight.hpp"
 
 namespace rabiline {
 
@@ -18,7 +20,7 @@ class DrivenParts {
   /// The zones that drive levels before a part, those of a way with the field where a line is nearest.
   struct Driven {
     Structure structure{};
-    std::vector<LevelZone> zones{};
+    std::vector<DrivenZone> zones{};
     std::vector<std::string> names{};      // [zone] of the fields that drive there
     std::vector<double> lengths{};         // [m] [zone] of all of its field
     std::set<std::string> approximated{};  // the names of those in the rotating-wave approximation
@@ -30,21 +32,21 @@ class DrivenParts {
   /// Of a component before a part, by name: [points], null where nothing drives them.
   using Parts = std::map<std::pair<int, std::string>, std::vector<const Driven*>>;
   const Parts& each() const { return parts_; }
-  /// [m/s] The mean one of a component at a scan point.
-  double speed_at(std::size_t point, int component);
+  /// Of a component at a scan point.
+  MeanFlight flight_at(std::size_t point, int component);
 
   /// The fields that drive transitions of a component of the beam before a part of the first scan point, and
   /// how well they are known; a line each, without indentation. At the first, the middle and the last scan
   /// point, where they have an amplitude.
-  std::vector<std::string> lines(int component, int part, double speed) const;
+  std::vector<std::string> lines(int component, int part, const MeanFlight&) const;
 
  private:
   const Driven* driven_of(const SpinPath&, const Beamline&, const Species& atom);
   void collect(int component, const std::vector<PlanNode>&);
   void collect(int component, const Stage&, const std::vector<int>& points);
   static std::optional<std::size_t> zone_called(const Driven& at, const Driven& most, std::size_t number);
-  void add_zone(const Driven& most, std::size_t number, const std::vector<const Driven*>& at, double speed,
-                std::vector<std::string>& out) const;
+  void add_zone(const Driven& most, std::size_t number, const std::vector<const Driven*>& at,
+                const MeanFlight&, std::vector<std::string>& out) const;
   const Beamline& beamline_at(int point);
 
   const Experiment& experiment_;

@@ -97,23 +97,23 @@ class Explainer {
     report_.on_axis = levels_on_axis(beamline_.source, s, beamline_.law);
     line("{}, {:.6g} u, charge {} e; {} particles",
          of_atom ? headline_of(s)
-                 : fmt::format("{}: spin {}/2, gamma/2pi {:+.6g} MHz/T", s.name, s.spin.twice,
+                 : fmt::format("{}: spin {}, gamma/2pi {:+.6g} MHz/T", s.name, write_half(s.spin.twice),
                                s.gyromagnetic_ratio / two_pi / 1e6),
          s.mass / 1.66053906892e-27, s.charge == 0 ? "0" : fmt::format("{:+g}", s.charge / 1.602176634e-19),
          tree.last - tree.first);
     if (s.structure && !of_atom)
       line("            its levels are left out under this law: the spin is that of J alone");
     const SpeedDraw& drawn = tree.source.speed;
-    report_.speed = drawn.mean;
+    report_.flight = mean_flight(beamline_, s.mass);
     report_.tip = 0;
     line("{}  source, {}", PlanReport::metres(0),
          drawn.kind == SpeedKind::single ||
                  (drawn.kind == SpeedKind::gaussian && drawn.scale == SpeedScale::proportional)
-             ? fmt::format("{:.9g} m/s{}", report_.speed,
+             ? fmt::format("{:.9g} m/s{}", report_.flight.speed,
                            drawn.sigma > 0 ? fmt::format(" +- {}", drawn.sigma) : "")
              : fmt::format("{}, {:.6g} m/s on average",
                            std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed),
-                           report_.speed));
+                           report_.flight.speed));
     explain_channel();
     walk(tree.next);
     const std::string gaps = of_atom ? field_free_gaps(beamline_) : "";
@@ -169,7 +169,7 @@ class Explainer {
   /// What drives an atom's levels before a part asks for them, once for each.
   void tell_driven(int part) {
     if (!told_.insert({component_, part}).second) return;
-    const std::vector<std::string> lines = driven_.lines(component_, part, report_.speed);
+    const std::vector<std::string> lines = driven_.lines(component_, part, report_.flight);
     if (lines.empty()) return;
     const auto [first, is_new] = told_by_.emplace(lines, part);
     if (!is_new) {

@@ -13,28 +13,32 @@
 
 namespace rabiline {
 
-std::vector<Transition> transitions_near(const Structure& structure, const LevelZone& zone) {
-  const CoupledSpins spins = coupled_spins(structure);
+DrivenZone driven_zone(const LevelZone& zone) {
   const RotatingTerm& drive = *zone.drive;
+  return {zone.begin,      zone.end,
+          zone.field,      drive.oscillator.frequency,
+          parts_of(drive), drive.envelope.shape == Shape::rectangular,
+          drive.gate,      zone.part};
+}
+
+std::vector<Transition> transitions_near(const Structure& structure, const DrivenZone& zone) {
+  const CoupledSpins spins = coupled_spins(structure);
   const Levels levels = levels_at(spins, zone.field);
-  const DrivenStates states = driven_states(spins, levels, drive);
-  const bool swings = sense_of(drive) == 0;
+  const DrivenStates states = driven_states(spins, levels, zone.parts);
   const DrivenStates* const alone[] = {&states};
-  const Eigen::VectorXd shifts =  // by what does not stand still in the field's frame
-      standing_coupling(rotating_frame(levels.labels, drive, alone), states).second.diagonal();
+  const RotatingFrame frame = rotating_frame(levels.labels, zone.parts.sense(), zone.frequency, alone);
+  const Eigen::VectorXd shifts =  // by what does not stand still in it
+      standing_coupling(frame, states).second.diagonal();
   const double negligible = 1e-14 * states.energy.cwiseAbs().maxCoeff();
   std::vector<Transition> out;
   for (int i = 0; i < spins.levels(); ++i)
     for (int k = 0; k < spins.levels(); ++k) {
       double apart = states.energy(i) - states.energy(k);
       if (std::abs(apart) < negligible) apart = 0;
-      const auto upper = static_cast<std::size_t>(i), lower = static_cast<std::size_t>(k);
-      const bool turns =
-          swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);
-      if (i == k || apart < 0 || (apart == 0 && swings && i > k) || states.coupling(i, k) == 0 || !turns)
-        continue;
-      out.push_back({i, k, apart, drive.oscillator.frequency - apart,
-                     (swings ? 1 : 2) * std::abs(states.coupling(i, k)), shifts(i) - shifts(k)});
+      const bool is_there_already = apart == 0 && i > k && states.up(k, i) != 0;
+      if (i == k || apart < 0 || is_there_already || states.up(i, k) == 0) continue;
+      out.push_back(
+          {i, k, apart, zone.frequency - apart, 2 * std::abs(states.up(i, k)), shifts(i) - shifts(k)});
     }
   std::stable_sort(out.begin(), out.end(), [](const Transition& a, const Transition& b) {
     return std::abs(a.detuning) < std::abs(b.detuning);
@@ -42,20 +46,19 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
   return out;
 }
 
-std::vector<Transition> transitions_of_two_photons(const Structure& structure, const LevelZone& zone,
+std::vector<Transition> transitions_of_two_photons(const Structure& structure, const DrivenZone& zone,
                                                    double width) {
   const CoupledSpins spins = coupled_spins(structure);
   const Levels levels = levels_at(spins, zone.field);
-  const DrivenStates states = driven_states(spins, levels, *zone.drive);
-  const int sense = sense_of(*zone.drive);
-  const double frequency = zone.drive->oscillator.frequency;
-  Eigen::MatrixXd up = (sense == 0 ? 0.5 : 1) * states.coupling;
-  for (int to = 0; sense != 0 && to < spins.levels(); ++to)
-    for (int from = 0; from < spins.levels(); ++from)
-      if (levels.labels[static_cast<std::size_t>(to)].twice_m -
-              levels.labels[static_cast<std::size_t>(from)].twice_m !=
-          2 * sense)
-        up(to, from) = 0;
+  const DrivenStates states = driven_states(spins, levels, zone.parts);
+  const double frequency = zone.frequency;
+  const Eigen::MatrixXd& up = states.up;
+  std::vector<Eigen::MatrixXd> in_phase{up};
+  if (!zone.parts.in_phase) {
+    DriveParts across = zone.parts, along{0, 0, zone.parts.along};
+    across.along = 0;
+    in_phase = {driven_states(spins, levels, across).up, driven_states(spins, levels, along).up};
+  }
   const auto shifted = [&](int i) {
     double sum = 0;
     for (int k = 0; k < spins.levels(); ++k) {
@@ -66,7 +69,7 @@ std::vector<Transition> transitions_of_two_photons(const Structure& structure, c
     return sum;
   };
   std::vector<Transition> out;
-  for (const CoupledPair& pair : pairs_of_two_photons(states.energy, std::span(&up, 1), frequency)) {
+  for (const CoupledPair& pair : pairs_of_two_photons(states.energy, in_phase, frequency)) {
     const double apart = states.energy(pair.upper) - states.energy(pair.lower), rabi = 2 * pair.coupling,
                  detuning = 2 * frequency - apart;
     bool is_by_one = false;  // after the other
@@ -85,11 +88,11 @@ std::vector<Transition> transitions_of_two_photons(const Structure& structure, c
   return out;
 }
 
-bool is_pulsed(const LevelZone& zone) { return zone.drive->gate != Gate{}; }
+bool is_pulsed(const DrivenZone& zone) { return zone.gate != Gate{}; }
 
-double width_of(const LevelZone& zone, double length, double speed) {
+double width_of(const DrivenZone& zone, double length, double speed) {
   const double passing = speed / length;
-  const Gate& gate = zone.drive->gate;
+  const Gate& gate = zone.gate;
   return is_pulsed(zone) ? std::max(passing, 1 / (gate.end - gate.begin)) : passing;
 }
 
@@ -104,7 +107,7 @@ std::string name_of(const Structure& structure, const Transition& t) {
 }
 
 std::string left_out(double neglected) {
-  return neglected < 1 ? fmt::format("amplitudes up to {:.2g} are left out", neglected)
+  return neglected < 1 ? fmt::format("amplitudes up to {:.2g} are left out, and may add up", neglected)
                        : "what it leaves out is too strong for that";
 }
 

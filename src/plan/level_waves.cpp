@@ -42,44 +42,38 @@ FieldBeside static_field(const Vector3& uniform, std::span<const ShapedTerm> sha
           {here.slope[1], here.slope[4], here.slope[7]}};
 }
 
+/// Of a field a cos p + b sin p, p its angle, in axes along a static one, whose direction is `third`.
+DriveParts parts_about(const Vector3& third, const Vector3& a, const Vector3& b) {
+  const Vector3 first = some_normal(third), second = cross(third, first);
+  constexpr double negligible = 1e-12;  // of the square of its size
+  return {portable::hypot(dot(a, first) + dot(b, second), dot(b, first) - dot(a, second)) / 2,
+          portable::hypot(dot(a, first) - dot(b, second), dot(b, first) + dot(a, second)) / 2,
+          portable::hypot(dot(a, third), dot(b, third)),
+          length_of(cross(a, b)) <= negligible * (dot(a, a) + dot(b, b))};
+}
+
+/// A drive's amplitudes at the angles 0 and 90 degrees, over its size; left-handed ones have a negative
+/// frequency.
+std::pair<Vector3, Vector3> quadratures(const DriveTerm& drive) {
+  const double sense = drive.omega < 0 ? -1 : 1;
+  return {Vector3{drive.first[0], drive.first[1], drive.first[2]},
+          sense * Vector3{drive.second[0], drive.second[1], drive.second[2]}};
+}
+
 /// What drives, in axes along a static field.
 WavePlace place_of(std::span<const DriveTerm> drives, const FieldBeside& there, double speed, double moving) {
   WavePlace out;
   const Vector3& field = there.here;
   out.field = length_of(field);
   if (out.field > 0) out.turning = (speed * length_of(there.slope) + moving) / out.field;
-  const Vector3 third = out.field > 0 ? (1 / out.field) * field : Vector3{0, 0, 1},
-                first = some_normal(third), second = cross(third, first);
+  const Vector3 third = out.field > 0 ? (1 / out.field) * field : Vector3{0, 0, 1};
   for (const DriveTerm& drive : drives) {
-    const double sense = drive.omega < 0 ? -1 : 1;
-    const Vector3 a{drive.first[0], drive.first[1], drive.first[2]},
-        b = sense * Vector3{drive.second[0], drive.second[1], drive.second[2]};
+    const auto [a, b] = quadratures(drive);
+    const DriveParts parts = parts_about(third, a, b);
     const double size = std::abs(drive.spin_rate);
-    out.lowering += size * portable::hypot(dot(a, first) - dot(b, second), dot(b, first) + dot(a, second));
-    out.raising += size * portable::hypot(dot(a, first) + dot(b, second), dot(b, first) - dot(a, second));
-    out.along += size * portable::hypot(dot(a, third), dot(b, third));
-  }
-  return out;
-}
-
-/// What a drive is at a place on the axis, `shaped` being the fields that swing with its angle, in axes along
-/// a static field; of a plane that is not across it, as if it swung along its first axis.
-RotatingTerm along_field(const DriveTerm& drive, const Vector3& shaped, const Vector3& third) {
-  RotatingTerm out;
-  const Vector3 a = std::abs(drive.spin_rate) * Vector3{drive.first[0], drive.first[1], drive.first[2]} +
-                    shaped,
-                b = std::abs(drive.spin_rate) * Vector3{drive.second[0], drive.second[1], drive.second[2]};
-  out.amplitude = length_of(a);
-  out.oscillator.frequency = std::abs(drive.omega) / two_pi;
-  out.envelope = drive.envelope;
-  out.gate = drive.gate;
-  const double square = out.amplitude * out.amplitude,
-               along = out.amplitude > 0 ? dot(a, third) / out.amplitude : 0, turns = dot(cross(a, b), third);
-  if (std::abs(turns) > 0.99 * square) {
-    out.oscillator.turn = (turns > 0) == (drive.omega > 0) ? Turn::positive : Turn::negative;
-  } else {
-    out.motion = FieldMotion::swings_in_rotating_wave;
-    out.first = {out.amplitude > 0 ? length_of(cross(a, third)) / out.amplitude : 1, 0, along};
+    out.lowering += size * (2 * parts.left);
+    out.raising += size * (2 * parts.right);
+    out.along += size * parts.along;
   }
   return out;
 }
@@ -89,13 +83,14 @@ RotatingTerm along_field(const DriveTerm& drive, const Vector3& shaped, const Ve
 struct NearestLine {
   double distance = std::numeric_limits<double>::infinity(), frequency = 0;
 };
-NearestLine nearest_line(const CoupledSpins& spins, double field, const RotatingTerm& drive, double swept) {
-  const DrivenStates states = driven_states(spins, levels_at(spins, field), drive);
-  const double first = drive.oscillator.frequency, last = std::abs(first + swept);
+NearestLine nearest_line(const CoupledSpins& spins, double field, const DriveParts& parts, double first,
+                         double swept) {
+  const DrivenStates states = driven_states(spins, levels_at(spins, field), parts);
+  const double last = std::abs(first + swept);
   NearestLine nearest{.frequency = first};
   for (int i = 0; i < spins.levels(); ++i)
     for (int j = 0; j < i; ++j) {
-      if (states.coupling(i, j) == 0) continue;
+      if (states.up(i, j) == 0 && states.up(j, i) == 0) continue;
       const double line = std::abs(states.energy(i) - states.energy(j)),
                    frequency = std::clamp(line, std::min(first, last), std::max(first, last));
       if (std::abs(line - frequency) < nearest.distance) nearest = {std::abs(line - frequency), frequency};
@@ -197,13 +192,15 @@ WaveFields wave_fields(const SpinZone& drives, const Section& section, const Spe
     }
     waves.push_back(std::move(wave));
   }
-  out.frame = wave_frame(coupled_spins(*atom.structure), manifold_of, waves);
+  out.frame =
+      wave_frame(coupled_spins(*atom.structure), manifold_of, waves, (section.end - section.begin) / speed);
   return out;
 }
 
-std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structure& structure, double speed) {
+std::vector<DrivenZone> zones_near_lines(const LevelFields& fields, const Structure& structure,
+                                         double speed) {
   const CoupledSpins spins = coupled_spins(structure);
-  std::vector<LevelZone> out;
+  std::vector<DrivenZone> out;
   for (const CourseSection& section : fields.sections) {
     const SpinZone& zone = section.field;
     std::vector<DriveTerm> drives(zone.drive, zone.drive + zone.drives);
@@ -218,10 +215,13 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
     for (int number = 0; number < static_cast<int>(drives.size()); ++number) {
       const DriveTerm& drive = drives[static_cast<std::size_t>(number)];
       const auto swings = [&](const ShapedTerm& term) { return term.drive == number; };
-      LevelZone best{zone.begin, zone.end};
-      best.part = drive.part;
-      if (const auto own = std::ranges::find_if(shaped, swings); own != shaped.end()) best.part = own->part;
+      const double frequency = std::abs(drive.omega) / two_pi,
+                   swept = (drive.omega < 0 ? -1 : 1) * swept_in_all(drive) / two_pi;
+      const auto [first, second] = quadratures(drive);
+      const double full = std::abs(drive.spin_rate);
+      std::optional<DrivenZone> best;
       double nearest = std::numeric_limits<double>::infinity();
+      const auto own = std::ranges::find_if(shaped, swings);
       for (int i = 0; i < (shaped.empty() ? 1 : places_of_frame); ++i) {
         const double y = place_in(zone.begin, zone.end, i);
         const Vector3 b = static_field(uniform, shaped, {}, y, y / speed).here;
@@ -229,20 +229,19 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
         for (const ShapedTerm& term : shaped)
           if (swings(term)) add_field<HostMaths>(term, 0.0, y, 0.0, peak);
         const double size = length_of(b);
-        RotatingTerm term = along_field(drive, {peak.field[0], peak.field[1], peak.field[2]},
-                                        size > 0 ? (1 / size) * b : Vector3{0, 0, 1});
-        const double swept = (drive.omega < 0 ? -1 : 1) * swept_in_all(drive) / two_pi;
-        const auto [distance, frequency] = nearest_line(spins, size, term, swept);
-        term.oscillator.frequency = frequency;
-        const bool as_near = best.drive && distance == nearest;
-        if (best.drive && !(distance < nearest || (as_near && term.amplitude > best.drive->amplitude)))
-          continue;
-        best.field = size;
-        best.drive = term;
+        const DriveParts parts =
+            parts_about(size > 0 ? (1 / size) * b : Vector3{0, 0, 1},
+                        full * first + Vector3{peak.field[0], peak.field[1], peak.field[2]}, full * second);
+        const auto [distance, there] = nearest_line(spins, size, parts, frequency, swept);
+        const bool as_near = best && distance == nearest;
+        if (best && !(distance < nearest || (as_near && parts.size() > best->parts.size()))) continue;
+        const bool is_even = drive.envelope.shape == Shape::rectangular && own == shaped.end();
+        best = DrivenZone{zone.begin, zone.end, size,       there,
+                          parts,      is_even,  drive.gate, own != shaped.end() ? own->part : drive.part};
         nearest = distance;
       }
-      const bool vanishes_on_axis = best.drive && best.drive->amplitude == 0 && best.part >= 0;
-      if (!vanishes_on_axis) out.push_back(best);
+      const bool vanishes_on_axis = best->parts.size() == 0 && best->part >= 0;
+      if (!vanishes_on_axis) out.push_back(*best);
     }
   }
   return out;

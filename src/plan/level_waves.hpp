@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "beamline/beamline.hpp"
+#include "plan/level_lines.hpp"
 #include "plan/zones.hpp"
 #include "section/section.hpp"
-#include "spin/level_drive.hpp"
 #include "transport/level_way.hpp"
 
 namespace rabiline {
@@ -37,6 +37,6 @@ WaveFields wave_fields(const SpinZone& drives, const Section&, const Species& at
 
 /// What drives on a way, in axes along the static field at the place of its section where a line is nearest,
 /// with that one of the frequencies that it sweeps through.
-std::vector<LevelZone> zones_near_lines(const LevelFields&, const Structure&, double speed);
+std::vector<DrivenZone> zones_near_lines(const LevelFields&, const Structure&, double speed);
 
 }  // namespace rabiline

@@ -13,6 +13,7 @@
 #include "plan/geometry.hpp"
 #include "plan/magnets.hpp"
 #include "plan/zones.hpp"
+#include "transport/mean_flight.hpp"
 
 namespace rabiline {
 namespace {
@@ -43,9 +44,11 @@ double integral_along(const Sections& sections, const Stretch& stretch, const De
   }
   return sum;
 }
-/// Integral along the beam of the gradient of |B| across it, at a place across it [T]: what |B| changes by
-/// along the beam gives back behind it the speed that it took.
-double gradient_along(const Sections& sections, const Stretch& stretch, const Offset& across) {
+/// What a particle of a unit of moment and mass is moved across the beam until it comes to `look`, by the
+/// gradient of |B| across it at a place across it [T s^2/m]: what |B| changes by along the beam gives back
+/// behind it the speed that it took.
+double moved_across(const Sections& sections, const Stretch& stretch, const Offset& across,
+                    const MeanFlight& flight, double look) {
   return integral_along(sections, stretch, [&](const Section& section, double y) {
     const FieldHere<double> here = field_beside(section, across.x, y, across.z);
     const double *b = here.field, *g = here.slope, size = tesla_of(here);
@@ -53,15 +56,16 @@ double gradient_along(const Sections& sections, const Stretch& stretch, const Of
       return size > 0 ? (b[0] * g[k] + b[1] * g[3 + k] + b[2] * g[6 + k]) / size
                       : std::max({std::abs(g[k]), std::abs(g[3 + k]), std::abs(g[6 + k])});
     };
-    return portable::hypot(grows(0), grows(2), 0);
+    return portable::hypot(grows(0), grows(2), 0) * flight.time(y, look) / flight.speed_at(y);
   });
 }
-/// Integral along the beam of how far |B| there is from that in its middle [T m].
+/// Integral over the time of how far |B| there is from that in its middle [T s].
 double spread_along(const Sections& sections, const Stretch& stretch, const Offset& there,
-                    const Offset& middle) {
+                    const Offset& middle, const MeanFlight& flight) {
   return integral_along(sections, stretch, [&](const Section& section, double y) {
     return std::abs(tesla_of(field_beside(section, there.x, y, there.z)) -
-                    tesla_of(field_beside(section, middle.x, y, middle.z)));
+                    tesla_of(field_beside(section, middle.x, y, middle.z))) /
+           flight.speed_at(y);
   });
 }
 
@@ -138,21 +142,22 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   StretchOutlook out;
   const LawTraits law = law_traits(beamline.law);
   if (!law.has_levels || species.charge != 0) return out;
-  const double speed = mean_speed(beamline.source.speed, species.mass);
+  const MeanFlight flight = mean_flight(beamline, species.mass);
   const BeamSpan beam = beam_at((stretch.begin + stretch.end) / 2, beamline, sections);
-  double integral = gradient_along(sections, stretch, beam.centre()), spread = 0;
+  const double look = last_look(sections, stretch.end), lever = look - (stretch.begin + stretch.end) / 2;
+  double moved = moved_across(sections, stretch, beam.centre(), flight, look), spread = 0;
   for (const Offset& side : beam.sides()) {
-    integral = std::max(integral, gradient_along(sections, stretch, side));
-    spread = std::max(spread, spread_along(sections, stretch, side, beam.centre()));
+    moved = std::max(moved, moved_across(sections, stretch, side, flight, look));
+    spread = std::max(spread, spread_along(sections, stretch, side, beam.centre(), flight));
   }
   const double moment = species.structure ? constants::bohr_magneton : std::abs(full_moment(species));
-  const double lever = last_look(sections, stretch.end) - (stretch.begin + stretch.end) / 2;
+  const double speed = flight.speed_between(stretch.begin, stretch.end);
   const double per_tesla = 2 * moment / (species.mass * speed * speed);  // of the two outer levels
   const double slowed = per_tesla * change_along(sections, stretch,
                                                  beam.centre());  // their difference in speed, in parts of it
-  out.splitting = std::max(per_tesla * integral, slowed > one_path ? slowed : 0.0) * lever;
+  out.splitting = std::max(2 * moment / species.mass * moved, slowed > one_path ? slowed * lever : 0.0);
   out.feature = std::min(smallest_feature(sections, stretch.begin, lever), spot_of(beamline.source.opening));
-  out.turns = 2 * moment * spread / (constants::hbar * speed) / (2 * std::numbers::pi);
+  out.turns = 2 * moment * spread / constants::hbar / (2 * std::numbers::pi);
   if (out.splitting > one_path * out.feature) {
     out.between = out.turns <= no_phase;
     out.sorts = !out.between || !law.stays_coherent;

@@ -40,6 +40,11 @@ void add_setups(py::module_& module) {
         const std::optional<ParameterValue> found = value_of(setup, name);
         return found ? py::object(py::make_tuple(found->value, found->unit)) : py::object(py::none());
       });
+  module.def("in_si", [](const std::string& text) -> py::object {
+    const ParsedQuantity found = parse_quantity(text);
+    if (!found.error.empty()) return py::none();
+    return py::make_tuple(found.value, std::string(si_unit_of(found.dimension)));
+  });
   module.def("load",
              [](const std::filesystem::path& file, const Changes& changes) { return load(file, changes); });
   module.def("load_again", [](const Setup& setup, const Changes& changes) { return load(setup, changes); });

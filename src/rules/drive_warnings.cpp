@@ -11,6 +11,7 @@
 #include "plan/zones.hpp"
 #include "rules/warning_room.hpp"
 #include "transport/describe_outlook.hpp"
+#include "transport/mean_flight.hpp"
 
 namespace rabiline {
 namespace {
@@ -47,8 +48,9 @@ double nearest_rotation(const SpinZone& zone) {
 std::vector<Drive> drives_of(const Beamline& beamline, const Species& species, bool even_still = false) {
   std::vector<Drive> out;
   const ZoneMaker maker = zone_maker(beamline, species);
-  const double speed = mean_speed(beamline.source.speed, species.mass);
+  const MeanFlight flight = mean_flight(beamline, species.mass);
   for (const Section& section : sections_of(beamline).sections) {
+    const double speed = flight.speed_between(section.begin, section.end);
     if (!section.shaped.empty()) continue;  // static fields that the zone does not know
     const SpinZone zone = maker.zone_of(section);
     if (zone.drives != 1 || (zone.drive[0].omega == 0 && !even_still)) continue;

@@ -9,6 +9,7 @@
 #include "field/field_formula.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "plan/plan.hpp"
 #include "rules/warning_room.hpp"
 #include "section/section_builder.hpp"
 
@@ -35,14 +36,13 @@ Vector3 steady_field_at(const Section& section, double y, double t) {
   for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, sum);
   return section.field + vector_of(sum);
 }
+/// What swings at its largest.
 Vector3 field_at(const Section& section, double y, double t) {
   Vector3 sum = steady_field_at(section, y, t);
   for (const SwingingTerm& term : section.swinging) {
     FieldHere<double> peak{};
     add_field<HostMaths>(term.field, 0.0, y, 0.0, peak);
-    const double share = portable::cos(2 * std::numbers::pi * term.oscillator.frequency * t +
-                                       term.oscillator.phase_of_swing(1));
-    sum = sum + share * vector_of(peak);
+    sum = sum + vector_of(peak);
   }
   return sum;
 }

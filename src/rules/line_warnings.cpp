@@ -59,7 +59,7 @@ class Approximations {
           warning(*worst_->approximated.begin(), "amplitude",
                   fmt::format("the rotating-wave approximation of `{}` is poor: {}",
                               fmt::join(worst_->approximated, "` and `"), left_out(worst_->neglected)),
-                  "a smaller field helps, or one that turns: a `rotating_field`"));
+                  "a smaller field helps, one that turns (a `rotating_field`), or `approximation: none`"));
     else if (most_.shift > 0)
       out.push_back(
           warning(most_.field, "approximation",
@@ -78,8 +78,8 @@ class Approximations {
 /// A field that drives levels, as all species and scan points see it.
 class DrivingField {
  public:
-  void look_at(int component, const Driven& driven, const LevelZone& zone, const std::vector<Transition>& all,
-               double width) {
+  void look_at(int component, const Driven& driven, const DrivenZone& zone,
+               const std::vector<Transition>& all, double width) {
     for (const Transition& t : all) {
       Line& line = lines_[{component, t.upper, t.lower, t.photons}];
       const double strength = std::max(width, t.rabi);
@@ -127,11 +127,10 @@ class DrivingField {
     for (const Transition& t : nearest_)
       list += fmt::format("{}{} at {}", list.empty() ? "" : ", ", name_of(*structure_, t),
                           megahertz(t.frequency));
-    return warning(
-        name, "frequency",
-        fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name,
-                    is_scanned ? " at any scan point" : "", tesla(nearest_zone_->field),
-                    megahertz(nearest_zone_->drive->oscillator.frequency), list.empty() ? "none" : list));
+    return warning(name, "frequency",
+                   fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name,
+                               is_scanned ? " at any scan point" : "", tesla(nearest_zone_->field),
+                               megahertz(nearest_zone_->frequency), list.empty() ? "none" : list));
   }
   Fault fault_of_missed_line(const std::string& name) const {
     const Line& line = std::ranges::min_element(lines_, {}, [](const auto& one) {
@@ -150,7 +149,7 @@ class DrivingField {
   bool is_useful_ = false;                                  // drives some species of the beam
   std::map<std::tuple<int, int, int, int>, Line> lines_{};  // of a component, between two levels, of photons
   double distance_ = 0;                                     // [Hz]
-  const LevelZone* nearest_zone_ = nullptr;                 // to a line
+  const DrivenZone* nearest_zone_ = nullptr;                // to a line
   std::vector<Transition> nearest_{};
   const Structure* structure_ = nullptr;
 };
@@ -176,8 +175,10 @@ Faults line_warnings_of(const Experiment& experiment, const Plan& plan) {
       if (driven == nullptr || std::exchange(before, driven) == driven) continue;
       approximations.look_at(*driven);
       for (std::size_t i = 0; i < driven->zones.size(); ++i) {
-        const LevelZone& zone = driven->zones[i];
-        const double width = width_of(zone, driven->lengths[i], parts.speed_at(point, where.first));
+        const DrivenZone& zone = driven->zones[i];
+        const double width =
+            width_of(zone, driven->lengths[i],
+                     parts.flight_at(point, where.first).speed_between(zone.begin, zone.end));
         std::vector<Transition> all = transitions_near(driven->structure, zone);
         std::ranges::copy(transitions_of_two_photons(driven->structure, zone, width),
                           std::back_inserter(all));

@@ -60,7 +60,8 @@ void Merger::add(const std::string& name, Snapshot shard) {
   if (which.of > most_shards)
     refuse(fmt::format("{}: is one of {} shards, more than a run can have", name, which.of));
   if (which.is_whole())
-    refuse(fmt::format("{}: is of a run in one piece, not a shard of it\n  help: finish it with `rabiline resume`", name));
+    refuse(fmt::format(
+        "{}: is of a run in one piece, not a shard of it\n  help: finish it with `rabiline resume`", name));
   const auto [begin, end] = which.places(shard.particles);
   const auto all = begin == end ? decltype(shard.finished){} : decltype(shard.finished){{begin, end}};
   if (shard.finished != all)

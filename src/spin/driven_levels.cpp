@@ -113,7 +113,8 @@ std::deque<RotatingFrame> add_frames(const CoupledSpins& spins, std::vector<Stre
       for (const Stretch& other : stretches)
         if (other.drive && is_ours(other.drive->oscillator.part, sense_of(*other.drive)))
           zones.push_back(&other.states);
-      frames.push_back(rotating_frame(labels, drive, zones));
+      frames.push_back(rotating_frame(labels, sense_of(drive), clock.frequency, zones));
+      frames.back().clock = clock.part;
       frame = std::prev(frames.end());
     }
     stretch.frame = &*frame;

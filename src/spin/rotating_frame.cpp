@@ -17,16 +17,15 @@ std::vector<CoupledPair> coupled_pairs(const DrivenStates& states) {
   std::vector<CoupledPair> pairs;
   for (int i = 0; i < states.energy.size(); ++i)
     for (int j = i + 1; j < states.energy.size(); ++j) {
-      if (states.coupling(i, j) == 0) continue;
       const double apart = states.energy(i) - states.energy(j);
-      pairs.push_back({apart >= 0 ? i : j, apart >= 0 ? j : i, states.coupling(i, j) / 2, std::abs(apart)});
+      const int upper = apart >= 0 ? i : j, lower = apart >= 0 ? j : i;
+      if (states.up(upper, lower) != 0)
+        pairs.push_back({upper, lower, states.up(upper, lower), std::abs(apart)});
     }
   return pairs;
 }
-/// Of an oscillating field: each half of it takes photons up as it gives them off.
 std::vector<CoupledPair> two_photon_pairs(const DrivenStates& states, double frequency) {
-  const Eigen::MatrixXd half = states.coupling / 2;
-  return pairs_of_two_photons(states.energy, std::span(&half, 1), frequency);
+  return pairs_of_two_photons(states.energy, std::span(&states.up, 1), frequency);
 }
 
 /// A level and so many photons that the field has more: a state of both.
@@ -42,26 +41,27 @@ std::vector<Dressed> states_of(const RotatingFrame& frame, int set) {
     if (frame.set[i] == set) own.push_back({static_cast<int>(i), -frame.photons[i]});
   return own;
 }
-std::vector<Dressed> neighbours_of(const std::vector<Dressed>& own, const Eigen::MatrixXd& coupling) {
+std::vector<Dressed> neighbours_of(const std::vector<Dressed>& own, const Eigen::MatrixXd& up) {
   std::vector<Dressed> outside;
   for (const Dressed& state : own)
-    for (int k = 0; k < coupling.cols(); ++k)
+    for (int k = 0; k < up.cols(); ++k)
       for (const int change : {-1, 1}) {
         const Dressed next{k, state.photons + change};
-        if (coupling(state.level, k) != 0 && std::ranges::find(own, next) == own.end() &&
-            std::ranges::find(outside, next) == outside.end())
+        if ((change < 0 ? up(k, state.level) : up(state.level, k)) != 0 &&
+            std::ranges::find(own, next) == own.end() && std::ranges::find(outside, next) == outside.end())
           outside.push_back(next);
       }
   return outside;
 }
 
 Eigen::MatrixXd between(const std::vector<Dressed>& rows, const std::vector<Dressed>& columns,
-                        const Eigen::MatrixXd& coupling) {
+                        const Eigen::MatrixXd& up) {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(std::ssize(rows), std::ssize(columns));
   for (Eigen::Index i = 0; i < out.rows(); ++i)
-    for (Eigen::Index j = 0; j < out.cols(); ++j)
-      if (std::abs(rows[i].photons - columns[j].photons) == 1)
-        out(i, j) = coupling(rows[i].level, columns[j].level) / 2;
+    for (Eigen::Index j = 0; j < out.cols(); ++j) {
+      const int more = rows[i].photons - columns[j].photons, row = rows[i].level, column = columns[j].level;
+      if (std::abs(more) == 1) out(i, j) = more < 0 ? up(row, column) : up(column, row);
+    }
   return out;
 }
 
@@ -128,21 +128,31 @@ std::vector<CoupledPair> pairs_of_two_photons(const Eigen::VectorXd& energy,
   return pairs;
 }
 
-DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const RotatingTerm& drive) {
+DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const DriveParts& parts) {
   const auto mu = dipole_matrices(spins, levels);
-  const bool swings = sense_of(drive) == 0;
-  const double across = swings ? portable::hypot(drive.first.x, drive.first.y) : 1;
-  const double along = swings ? drive.first.z : 0;
   DrivenStates states;
   states.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), spins.levels()) / constants::planck;
-  states.coupling =
-      -drive.amplitude / constants::planck * (across * mu[0].real() + along * mu[2].real()).eval();
-  states.axis = swings && across > 0 ? portable::atan2(drive.first.y, drive.first.x) : 0;
+  states.up = Eigen::MatrixXd::Zero(spins.levels(), spins.levels());
   // What vanishes by symmetry is zero, not its rounding: levels that do not couple stay apart.
   const double least =
-      1e-12 * std::abs(drive.amplitude) *
+      1e-12 * parts.size() / 2 *
       std::max(std::abs(spins.zeeman_i) * spins.twice_i, std::abs(spins.zeeman_j) * spins.twice_j);
-  states.coupling = (states.coupling.array().abs() > least).select(states.coupling, 0.0);
+  for (int i = 0; i < spins.levels(); ++i)
+    for (int j = 0; j < spins.levels(); ++j) {
+      const int by = (levels.labels[static_cast<std::size_t>(i)].twice_m -
+                      levels.labels[static_cast<std::size_t>(j)].twice_m) /
+                     2;
+      const double size = by == 1 ? parts.right : by == -1 ? parts.left : by == 0 ? parts.along / 2 : 0;
+      const double coupling = -size / constants::planck * mu[by == 0 ? 2 : 0](i, j).real();
+      if (std::abs(coupling) > least) states.up(i, j) = coupling;
+    }
+  return states;
+}
+
+DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const RotatingTerm& drive) {
+  DrivenStates states = driven_states(spins, levels, parts_of(drive));
+  if (sense_of(drive) == 0 && (drive.first.x != 0 || drive.first.y != 0))
+    states.axis = portable::atan2(drive.first.y, drive.first.x);
   return states;
 }
 
@@ -169,10 +179,9 @@ void join_levels(std::vector<FrameEdge> edges, RotatingFrame& frame) {
   }
 }
 
-RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
+RotatingFrame rotating_frame(std::span<const LevelLabel> labels, int sense, double frequency,
                              std::span<const DrivenStates* const> zones) {
-  RotatingFrame frame{drive.oscillator.part, sense_of(drive), drive.oscillator.frequency,
-                      std::vector<int>(labels.size()), std::vector<int>(labels.size())};
+  RotatingFrame frame{sense, frequency, std::vector<int>(labels.size()), std::vector<int>(labels.size())};
   if (frame.sense != 0) {
     for (std::size_t i = 0; i < labels.size(); ++i)
       frame.photons[i] = frame.sense * (labels[i].twice_m - labels[0].twice_m) / 2;
@@ -191,14 +200,14 @@ RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingT
 }
 
 StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenStates& states) {
-  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(states.coupling.rows(), states.coupling.cols());
-  if (frame.sense != 0) return {states.coupling, zero, zero};
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(states.up.rows(), states.up.cols());
+  if (frame.sense != 0) return {states.up + states.up.transpose(), zero, zero};
   StandingCoupling out{zero, zero, zero};
   // 1/d, but for what is nearer than the coupling: there a shift is bounded by it.
-  const double nearest = states.coupling.cwiseAbs().maxCoeff() / 2;
+  const double nearest = states.up.cwiseAbs().maxCoeff();
   const auto energy = [&](const Dressed& s) { return states.energy(s.level) + s.photons * frame.frequency; };
   for (int set = 0; set < std::ssize(frame.set); ++set) {
-    const std::vector<Dressed> own = states_of(frame, set), outside = neighbours_of(own, states.coupling);
+    const std::vector<Dressed> own = states_of(frame, set), outside = neighbours_of(own, states.up);
     if (outside.empty()) continue;
     std::vector<int> levels;
     levels.reserve(own.size());
@@ -209,10 +218,10 @@ StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenState
         const double apart = energy(own[i]) - energy(outside[k]);
         inverse(i, k) = apart / (apart * apart + nearest * nearest);
       }
-    const Eigen::MatrixXd kept = between(own, own, states.coupling);
-    const Eigen::MatrixXd there = between(own, outside, states.coupling);
+    const Eigen::MatrixXd kept = between(own, own, states.up);
+    const Eigen::MatrixXd there = between(own, outside, states.up);
     const Eigen::MatrixXd first = (there.array() * inverse).matrix();
-    const Eigen::MatrixXd among = first * between(outside, outside, states.coupling) - kept * first;
+    const Eigen::MatrixXd among = first * between(outside, outside, states.up) - kept * first;
     const auto there_and_back = [&](const Eigen::MatrixXd& amplitude) -> Eigen::MatrixXd {
       const Eigen::MatrixXd half = amplitude * there.transpose() / 2;
       return half + half.transpose();
@@ -230,12 +239,11 @@ double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& state
   for (const CoupledPair& pair : coupled_pairs(states)) {
     const bool kept = frame.set[pair.upper] == frame.set[pair.lower] &&
                       frame.photons[pair.upper] - frame.photons[pair.lower] == 1;
-    largest = std::max(
-        largest, kept ? mixing(pair.coupling, pair.apart + frame.frequency) : pair.strength(frame.frequency));
+    largest = std::max(largest, kept ? mixing(states.up(pair.lower, pair.upper), pair.apart + frame.frequency)
+                                     : pair.strength(frame.frequency));
     if (!kept) continue;
-    const double modulation =
-        states.coupling(pair.upper, pair.upper) - states.coupling(pair.lower, pair.lower);
-    largest = std::max(largest, mixing(modulation / 2, frame.frequency));
+    const double modulation = states.up(pair.upper, pair.upper) - states.up(pair.lower, pair.lower);
+    largest = std::max(largest, mixing(modulation, frame.frequency));
   }
   for (const CoupledPair& pair : two_photon_pairs(states, frame.frequency))
     if (frame.set[pair.upper] != frame.set[pair.lower] ||

@@ -15,10 +15,12 @@ namespace rabiline {
 /// (mu.u)_ij = exp(-i (m_i - m_j) chi) (mu_x)_ij. The phases are left to the amplitudes, so that everything
 /// here is real.
 struct DrivenStates {
-  Eigen::VectorXd energy{};    // E_i/h
-  Eigen::MatrixXd coupling{};  // -A <i|mu.u|j>/h at p = 0, u turned into the xz plane
-  double axis = 0;             // [rad] chi
+  Eigen::VectorXd energy{};  // E_i/h
+  Eigen::MatrixXd up{};  // (i, j): what takes up a photon from j to i, of -A <i|mu.u|j>/h, u in the xz plane
+  double axis = 0;       // [rad] chi
 };
+/// In a field whose parts about +z [T] are those; what swings along it counts as in phase with what turns.
+DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const DriveParts& parts);
 DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const RotatingTerm& drive);
 
 /// Amplitudes c_i in the laboratory are a_i exp(-i (n_i p + m_i chi)) with the drive's angle p = 2 pi f t +
@@ -27,11 +29,11 @@ DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, cons
 /// E_i - n_i f + coupling, exactly. An oscillating field has exp(-i p)/2 and exp(+i p)/2 of each coupling;
 /// what makes n_i - n_j = +-1 stands still: the rotating-wave approximation.
 struct RotatingFrame {
-  int clock = 0;
   int sense = 1;               // +1 or -1; 0 of fields that swing
   double frequency = 0;        // [Hz] f
   std::vector<int> photons{};  // n_i, up to a constant of each set
   std::vector<int> set{};      // levels of one number are joined by couplings that stand still
+  int clock = 0;               // whose photons they are
 };
 
 /// Asks for levels in whose frame `upper` has taken up `ahead` photons more than `lower`.
@@ -64,7 +66,7 @@ std::vector<CoupledPair> pairs_of_two_photons(const Eigen::VectorXd& energy,
 /// n_i of all fields of one sense and one clock. For an oscillating field couplings join sets of levels, by
 /// the strengths |V_ij| / | |E_i - E_j|/h - f |: those far from resonance all stand still, or none does. What
 /// two photons couple joins them by |S_ij| / | |E_i - E_j|/h - 2 f |.
-RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
+RotatingFrame rotating_frame(std::span<const LevelLabel> labels, int sense, double frequency,
                              std::span<const DrivenStates* const> zones);
 
 /// What stands still in the frame, in hertz, at the share g of the full amplitude: g V + g^2 S + g^3 T.

@@ -88,10 +88,42 @@ std::vector<TwoPhotons> raman_pairs(const LevelsThere& there, double frequency, 
   return out;
 }
 
+/// The largest amplitude by which photons of two frequencies together take a level to another, both taken up
+/// or one of them given off, by ways of which the frame does not keep both steps; on resonance, that of the
+/// time [s] for which they drive.
+double strength_of_both(const LevelsThere& one, double first, const LevelsThere& other, double second,
+                        const WaveFrame& frame, double time) {
+  const Eigen::MatrixXd up = one.up[0] + one.up[1] + one.up[2],
+                        more = other.up[0] + other.up[1] + other.up[2];
+  const double nearest = std::max(up.cwiseAbs().maxCoeff(), more.cwiseAbs().maxCoeff());
+  const Eigen::Index levels = up.rows();
+  double largest = 0;
+  for (const bool both_up : {true, false}) {
+    const Eigen::MatrixXd last = both_up ? more : more.transpose();
+    const double by = both_up ? second : -second;
+    const int ahead = both_up ? 1 : -1;
+    const auto inverse = [&](double apart) { return apart / (apart * apart + nearest * nearest); };
+    for (int i = 0; i < levels; ++i)
+      for (int j = 0; j < levels; ++j) {
+        if (i == j) continue;
+        double coupling = 0;
+        for (int l = 0; l < levels; ++l) {
+          if (!frame.stand_still(l, j, 1) || !frame.stand_still(i, l, ahead))
+            coupling += last(i, l) * up(l, j) * inverse(one.energy(j) + first - one.energy(l));
+          if (!frame.stand_still(l, j, ahead) || !frame.stand_still(i, l, 1))
+            coupling += up(i, l) * last(l, j) * inverse(one.energy(j) + by - one.energy(l));
+        }
+        const double off = std::abs(one.energy(i) - one.energy(j) - first - by);
+        largest = std::max(largest, mixing(coupling, std::max(off, 1 / (constants::two_pi * time))));
+      }
+  }
+  return largest;
+}
+
 }  // namespace
 
 WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold_of,
-                     std::span<const WaveAlong> waves) {
+                     std::span<const WaveAlong> waves, double time) {
   const auto count = static_cast<std::size_t>(spins.levels());
   const double frequency = waves.front().frequency;
   std::vector<FrameEdge> edges;
@@ -165,6 +197,11 @@ WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold
     if (own == frequency)
       for (const TwoPhotons& pair : raman_pairs(there, own, frame)) keep(pair);
   }
+  const std::size_t places = waves.front().places.size();  // of each wave
+  for (std::size_t one = 0; one < along.size(); ++one)
+    for (std::size_t other = one + places; other < along.size(); other += places)
+      neglect(strength_of_both(along[one].there, along[one].frequency, along[other].there,
+                               along[other].frequency, frame, time));
   return frame;
 }
 

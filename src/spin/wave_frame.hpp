@@ -48,8 +48,9 @@ struct WaveFrame {
 
 /// For frequencies that drive along one way; photons are of the first one, beside which another one's
 /// couplings still turn by the difference. Couplings near resonance anywhere on it come first, then levels of
-/// one manifold (LevelTable) that the turning of the static field mixes, then what is far from resonance.
+/// one manifold (LevelTable) that the turning of the static field mixes, then what is far from resonance. All
+/// have as many places, and drive for about that time [s].
 WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold_of,
-                     std::span<const WaveAlong> waves);
+                     std::span<const WaveAlong> waves, double time);
 
 }  // namespace rabiline

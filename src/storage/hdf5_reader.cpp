@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "storage/seal.hpp"
+#include "storage/trial.hpp"
 
 namespace rabiline::hdf5 {
 namespace {
@@ -136,6 +137,16 @@ Kind kind_of(Handle type, Handle space, const std::string& where) {
   return {std::move(type), std::move(space), of_one, count, varies, std::move(bytes)};
 }
 
+/// HDF5 follows the references of texts of any length to wherever a damaged file makes them point, and has no
+/// check of its own.
+void require_texts(hid_t attribute, hid_t type, std::size_t count, const std::string& where) {
+  const auto read = [&] {
+    std::vector<char*> texts(count);
+    return H5Aread(attribute, type, texts.data()) >= 0;
+  };
+  if (!ends_well(read)) refuse(where, "its text cannot be read");
+}
+
 /// Called by HDF5 for each attribute in the order of their names.
 struct Attributed {
   std::string where;
@@ -154,6 +165,7 @@ herr_t add_attribute(hid_t object, const char* name, const H5A_info_t*, void* da
     if (kind.size > most || kind.count > most / kind.size) refuse(where, "it is too large");
     all.bytes += fmt::format("@{}={}", name, kind.bytes);
     std::string values(kind.count * kind.size, '\0');
+    if (kind.varies) require_texts(attribute.id(), kind.type.id(), kind.count, where);
     check(H5Aread(attribute.id(), kind.type.id(), values.data()), where);
     if (!kind.varies) {
       all.bytes += values;
@@ -294,8 +306,9 @@ std::string FileReader::attribute(const std::string& name, const char* attribute
   if (check(H5Tis_variable_str(type.id()), place) != 0) {
     char* text = nullptr;
     const Handle memory = variable_text(place);
-    check(H5Aread(attribute.id(), H5Tget_cset(type.id()) == H5T_CSET_ASCII ? type.id() : memory.id(), &text),
-          place);
+    const hid_t as = H5Tget_cset(type.id()) == H5T_CSET_ASCII ? type.id() : memory.id();
+    require_texts(attribute.id(), as, 1, place);
+    check(H5Aread(attribute.id(), as, &text), place);
     std::string out = text == nullptr ? "" : std::string(text).substr(0, longest);
     H5free_memory(text);
     return out;

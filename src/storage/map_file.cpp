@@ -69,13 +69,14 @@ class MapReader {
     if (!one.error.empty() || one.dimension != dimension)
       throw StorageError(fmt::format("{}: /{}: `{}` is not a unit of {}", path_, name, unit,
                                      with_article(name_of(dimension))));
-    out_.digest =
-        digest(std::as_bytes(std::span(values)), out_.digest == 0 ? digest_of_nothing : out_.digest);
     for (std::size_t i = 0; i < values.size(); ++i) {
       values[i] *= one.value;
       if (!std::isfinite(values[i]))
         throw StorageError(fmt::format("{}: /{}[{}] is not finite", path_, name, place_of(i, sizes)));
     }
+    const auto before =
+        digest(std::as_bytes(std::span(name)), out_.digest == 0 ? digest_of_nothing : out_.digest);
+    out_.digest = digest(std::as_bytes(std::span(values)), before);  // in SI, whatever the unit
     return values;
   }
   /// "3, 0, 14", as h5py counts them; of a single axis the number itself.

@@ -114,7 +114,8 @@ void sweep(const Path& folder) {
   while (const dirent* entry = ::readdir(entries)) {
     const std::string_view name = entry->d_name;
     if (!name.starts_with(temporary_begin) || !name.ends_with(temporary_end)) continue;
-    const int descriptor = ::openat(::dirfd(entries), entry->d_name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int descriptor =
+        ::openat(::dirfd(entries), entry->d_name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0) continue;
     struct stat status {};
     if (::fstat(descriptor, &status) == 0 && status.st_mtime + old_enough < std::time(nullptr) &&

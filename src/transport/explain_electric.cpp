@@ -20,20 +20,22 @@ void explain_electric(const TurningRegion& region, const RegionZone& zone, PlanR
       add_field<HostMaths>(region.shaped[static_cast<std::size_t>(k)], 0.0,
                            zone.field.begin + length * (i + 0.5) / places, 0.0, sum);
   const Vector3 e = (1.0 / places) * Vector3{sum.field[0], sum.field[1], sum.field[2]};
+  const double speed = report.flight.speed_between(zone.field.begin, zone.field.end);
   const Vector3 motional =
-      (-report.speed / (constants::speed_of_light * constants::speed_of_light)) * cross({0, 1, 0}, e);
+      (-speed / (constants::speed_of_light * constants::speed_of_light)) * cross({0, 1, 0}, e);
   const ElectricCoupling& feels = region.feels.electric;
   const auto volts = [](double x) { return pretty_quantity(x, Dimension::electric_field); };
   report.line(
       "{:>16}E = ({}, {}, {}), its mean on the axis: in flight a spin meets v x E/c^2 = {} of it as a "
       "magnetic field, and its phase changes by up to {:.4g} deg{}",
       "", volts(e.x), volts(e.y), volts(e.z), pretty_quantity(length_of(motional), Dimension::magnetic_field),
-      length_of(feels.spin_per_motional * motional + feels.spin_per_electric * e) * length / report.speed *
-          180 / std::numbers::pi,
+      length_of(feels.spin_per_motional * motional + feels.spin_per_electric * e) * length / speed * 180 /
+          std::numbers::pi,
       report.species->charge != 0
           ? fmt::format("; the charge gains {}",
                         pretty_quantity(report.species->charge * e.y * length, Dimension::energy))
           : "");
+  if (feels.acceleration != 0) report.flight.gained += feels.acceleration * e.y * length;
 }
 
 }  // namespace rabiline

@@ -64,14 +64,15 @@ void explain_shape(const DriveTerm& drive, PlanReport& report) {
                 slopes.size_x / 10, slopes.size_z / 10);
 }
 void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, PlanReport& report) {
-  const double omega = drive.omega + drive.twist * report.speed, detuning = omega - zone.spin_rate;
+  const double speed = report.flight.speed_between(zone.begin, zone.end),
+               omega = drive.omega + drive.twist * speed, detuning = omega - zone.spin_rate;
   const double w1 = drive.spin_rate, rate = portable::hypot(detuning, w1);
   const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
   if (drive.twist != 0)
     report.line("{:>16}{} by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
                 length_of_second(drive) > 0 ? "turns" : "its phase gets ahead",
-                drive.twist * 180 / std::numbers::pi, hertz(drive.twist * report.speed),
-                std::abs(drive.twist * report.speed / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
+                drive.twist * 180 / std::numbers::pi, hertz(drive.twist * speed),
+                std::abs(drive.twist * speed / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
   if (drive.omega == 0) return;
   explain_shape(drive, report);
   if (!closed) {
@@ -109,7 +110,7 @@ void explain_neglected(const SpinZone& zone, PlanReport& report) {
     const double w0 = std::abs(zone.spin_rate),
                  w1 = std::abs(report.species->gyromagnetic_ratio) * field->amplitude / 2;
     const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4,
-                 width = report.speed / (zone.end - zone.begin);
+                 width = 1 / report.flight.time(zone.begin, zone.end);
     report.line(
         "{:>16}{}: rotating-wave approximation; the half left out would shift the resonance by {} ({:.2g} "
         "of "
@@ -121,7 +122,7 @@ void explain_neglected(const SpinZone& zone, PlanReport& report) {
 }  // namespace
 
 void explain_zone(const SpinZone& zone, PlanReport& report) {
-  const double stay = (zone.end - zone.begin) / report.speed;
+  const double stay = report.flight.time(zone.begin, zone.end);
   const double* axis = zone.frame + 6;
   report.line("{:>12}{:.4f} to {:.4f} m, {}: Larmor {}, {:.4g} turns{}", "", zone.begin, zone.end,
               pretty_quantity(stay, Dimension::time), hertz(zone.spin_rate),

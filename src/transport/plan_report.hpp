@@ -10,6 +10,7 @@
 #include "core/fault.hpp"
 #include "core/units.hpp"
 #include "transport/kernels.hpp"
+#include "transport/mean_flight.hpp"
 
 namespace rabiline {
 
@@ -45,8 +46,8 @@ class PlanReport {
   const Beamline& beamline;
   // the species at hand
   const Species* species = nullptr;
-  bool of_atom = false;                       // under `quantum`, with the levels of two spins
-  double speed = 0;                           // [m/s] on average
+  bool of_atom = false;  // under `quantum`, with the levels of two spins
+  MeanFlight flight{};
   std::function<double()> fastest;            // [m/s]
   std::function<void(int part)> tell_driven;  // what drives an atom's levels before a part asks for them
   // the stage at hand

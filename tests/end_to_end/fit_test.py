@@ -137,7 +137,12 @@ def test_two_scans_are_fitted_at_once(ramsey: rabiline.Experiment, tmp_path: Pat
 def test_a_variable_may_be_free(fringes: Counts) -> None:
     text = RAMSEY.replace("seed: 4", 'seed: 4\nvariables: {B1: 113 uT}').replace("amplitude: 110 uT", "amplitude: ${B1}")
     found = fit_counts(rabiline.load(text), fringes, ["variables.B1", "guide.field"], intervals=False)
-    assert found.units[0] == "uT" and abs(found["variables.B1"][0] - 113) < 3.5 * found["variables.B1"][1] < 3
+    assert found.units[0] == "T" and abs(found["variables.B1"][0] - 113e-6) < 3.5 * found["variables.B1"][1] < 3e-6
+    experiment = rabiline.load(text)
+    assert " µT" in str(found) and (experiment.value("variables.B1"), experiment.unit("variables.B1")) == (113e-6, "T")
+    assert experiment.set({"variables.B1": 40e-6}).value("C1.amplitude") == 40e-6
+    with pytest.raises(NoFit, match="`C1.amplitude` follows `variables.B1`, which is scanned"):
+        CurveModel(experiment, "variables.B1", ["110 uT", "113 uT", "116 uT"], ["C1.amplitude"])
 
 
 def test_counts_of_another_experiment_do_not_fit(ramsey: rabiline.Experiment, fringes: Counts) -> None:

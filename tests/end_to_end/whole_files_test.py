@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 from lives_test import BAD_INPUT, DONE, EXPERIMENT, FEW, MODEL, NOT_WRITTEN, ROOT, bits, rabiline, reference, run  # noqa: F401 (fixture)
 
@@ -70,6 +71,7 @@ def test_a_forged_result_is_told_what_differs(tmp_path: Path) -> None:
     forged.write_bytes(forged.read_bytes() + seal.encode())
     told = rabiline("reproduce", forged, cwd=tmp_path)
     assert told.returncode == NOT_WRITTEN and "comes out otherwise here\n  differing: /entry/scan/detected\n  help" in told.stderr, told.stderr
+    assert rabiline("reproduce", forged, cwd=tmp_path).returncode == NOT_WRITTEN and (tmp_path / "a-again.1.h5").exists()
 
 
 def test_every_parameter_is_in_the_file_as_it_was_flown(tmp_path: Path) -> None:
@@ -126,3 +128,51 @@ def test_what_a_title_holds_does_not_steer_a_terminal(tmp_path: Path) -> None:
     done = rabiline("run", experiment, *FEW, "-o", tmp_path / "a.h5")
     assert done.returncode == DONE and "?]0;x??31m" in done.stdout
     assert not any(ord(c) < 32 and c != "\n" or 0x7f <= ord(c) < 0xa0 for c in done.stdout)
+
+
+MAPPED = """rabiline: 1
+species: neutron
+law: quantum
+source: {speed: {kind: single, value: 1000 m/s}, opening: {radius: 2 mm}, direction: parallel, spin: {kind: polarised, axis: x, degree: 1}}
+parts:
+  - {name: g, kind: field_map, at: 0.3 m, map: {file: map.h5}}
+  - {name: screen, kind: detector, at: 1.2 m, width: 40 mm, height: 40 mm, bins: [4, 4]}
+particles: 8
+seed: 1950
+"""
+
+
+def mapped(folder: Path) -> Path:
+    """An experiment with a map whose units are texts of any length."""
+    with h5py.File(folder / "map.h5", "w") as file:
+        for axis in "xyz":
+            file[axis] = np.arange(-2.0, 3.0)
+            file[axis].attrs["units"] = "cm"
+            file[f"B{axis}"] = np.ones((5, 5, 5))
+            file[f"B{axis}"].attrs["units"] = "mT"
+    (folder / "in.yaml").write_text(MAPPED)
+    return folder / "in.yaml"
+
+
+def test_a_map_in_another_unit_is_another_map(tmp_path: Path) -> None:
+    assert rabiline("run", mapped(tmp_path), "-o", tmp_path / "out.h5", cwd=tmp_path).returncode == DONE
+    assert rabiline("reproduce", "out.h5", cwd=tmp_path).returncode == DONE
+    before = (tmp_path / "map.h5").read_bytes()
+    (tmp_path / "map.h5").write_bytes(before.replace(b"mT", b"uT"))
+    other = rabiline("reproduce", "out.h5", cwd=tmp_path)
+    assert other.returncode != DONE and "the map is not the one" in other.stderr, other.stderr
+
+
+def test_a_damaged_map_is_refused_or_flown_and_ends_no_program(tmp_path: Path) -> None:
+    experiment, draw, refused = mapped(tmp_path), random.Random(1950), 0
+    whole = (tmp_path / "map.h5").read_bytes()
+    heap = whole.index(b"GCOL")
+    for _ in range(40):
+        damaged = bytearray(whole)
+        for _ in range(3):
+            damaged[heap + draw.randrange(4, 64)] = draw.randrange(256)
+        (tmp_path / "map.h5").write_bytes(damaged)
+        done = subprocess.run(["timeout", "5", os.environ["RABILINE_PROGRAM"], "check", experiment], capture_output=True, text=True)
+        assert done.returncode in (DONE, BAD_INPUT), (done.returncode, done.stderr)
+        refused += done.returncode == BAD_INPUT
+    assert refused > 20

@@ -20,12 +20,12 @@ void Chopping::pass(StageContext& context) const {
 }
 void Chopping::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
 void Chopping::explain(PlanReport& report) const {
-  const double arrival = frequency * at / report.speed + lead, into = arrival - std::floor(arrival);
+  const double arrival = frequency * report.flight.time(0, at) + lead, into = arrival - std::floor(arrival);
   report.line(
       "{}  {}: opens at {} for {}; what starts at 0 s with {:.6g} m/s comes {:.3g} of a period after it "
       "opens{}",
       PlanReport::metres(at), report.name_of(part), pretty_quantity(frequency, Dimension::frequency),
-      pretty_quantity(open / frequency, Dimension::time), report.speed, into, report.reuse);
+      pretty_quantity(open / frequency, Dimension::time), report.flight.speed, into, report.reuse);
 }
 bool Chopping::follows_paths() const { return true; }
 

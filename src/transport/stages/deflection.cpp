@@ -32,7 +32,7 @@ void Deflection::explain(PlanReport& report) const {
   report.line("{}  {}: deflects up to {}{}", PlanReport::metres(begin), name, PlanReport::metres(end),
               report.reuse);
   report.on_axis.clear();
-  const double speed = report.speed, stay = (end - begin) / speed,
+  const double speed = report.flight.speed_between(begin, end), stay = (end - begin) / speed,
                bent = std::abs(acceleration) * stay * stay / 2;
   report.line("{:>16}m = I goes by {} there", "", metres(bent));
   const double room = 2 * (std::abs(along_z) > std::abs(along_x) ? half_z : half_x);

@@ -30,7 +30,7 @@ void enter(const Steering& s, const std::vector<int>& levels, double speed, Batc
 
 /// The levels that meet the walls.
 void explain_stopped(const Steering& s, PlanReport& report) {
-  const double speed = report.speed;
+  const double speed = report.flight.speed_between(s.begin, s.end);
   const std::vector<double> stops = stops_of(s, report.on_axis, speed);
   const std::size_t stopped = stops.size(), fast = stops_of(s, report.on_axis, report.fastest()).size();
   if (stopped == 0) return;
@@ -65,8 +65,8 @@ Steering Steering::piece(double from, double to) const {
 }
 
 void Steering::explain(PlanReport& report) const {
-  const double stay = (end - begin) / report.speed;
-  const SteeringOutlook outlook = outlook_of(*this, report.speed);
+  const double speed = report.flight.speed_between(begin, end), stay = (end - begin) / speed;
+  const SteeringOutlook outlook = outlook_of(*this, speed);
   report.line("{}  {}: steers up to {}, {}{}", PlanReport::metres(begin), report.name_of(part),
               PlanReport::metres(end), PlanReport::about_steps(outlook.steps), report.reuse);
   const bool multipole = shape.kind == MagnetKind::multipole;
@@ -77,7 +77,7 @@ void Steering::explain(PlanReport& report) const {
               pretty_quantity(outlook.acceleration * stay * stay / 2, Dimension::length));
   if (multipole && shape.power == 2 && moments.coefficients == nullptr && outlook.rate > 0)
     report.line("{:>16}a quarter of its oscillation takes {}", "",
-                pretty_quantity(std::numbers::pi / 2 * report.speed / outlook.rate, Dimension::length));
+                pretty_quantity(std::numbers::pi / 2 * speed / outlook.rate, Dimension::length));
   explain_stopped(*this, report);
   report.on_axis.clear();
 }

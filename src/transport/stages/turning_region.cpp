@@ -193,7 +193,7 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
               zone.end));
     const bool before = report.tip > large_tip;
     for (int k = 0; k < zone.drives; ++k)
-      report.tip += std::abs(zone.drive[k].spin_rate) * (zone.end - zone.begin) / report.speed;
+      report.tip += std::abs(zone.drive[k].spin_rate) * report.flight.time(zone.begin, zone.end);
     if (report.tip > large_tip && !before) tipped_by = report.field_at((zone.begin + zone.end) / 2);
     if (i < region.edges.size() && region.edges[i].kind == EdgeKind::align) report.tip = 0;
   }
@@ -380,7 +380,7 @@ void TurningRegion::explain(PlanReport& report) const {
               shaped.empty() ? "region that turns the velocity" : "flown through fields in steps",
               PlanReport::metres(zones.back().field.end), report.reuse);
   for (const RegionZone& zone : zones) {
-    explain_zone(on_axis(*this, zone, report.speed), report);
+    explain_zone(on_axis(*this, zone, report.flight.speed_between(zone.field.begin, zone.field.end)), report);
     explain_course(zone, report);
     explain_electric(*this, zone, report);
   }

@@ -281,7 +281,7 @@ def test_a_table_without_a_name_is_printed(folder: Path, capsys: pytest.CaptureF
     assert capsys.readouterr().out.splitlines()[2].startswith("H0.frequency [Hz],detected,")
 
 
-@pytest.mark.parametrize("name, said", [("mine.yaml", "named like a result or an experiment"), ("counts.csv", "is no table of a result")])
+@pytest.mark.parametrize("name, said", [("mine.yaml", "named like an experiment"), ("mine.xlsx", "named like a workbook"), ("counts.csv", "is no table of a result")])
 def test_a_table_is_not_written_over_what_is_none(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture, name: str, said: str) -> None:
     there, table = tmp_path / name, tmp_path / "a.csv"
     there.write_text("f [kHz],counts\n29.1,12\n")

@@ -142,7 +142,7 @@ def test_paths_are_told_in_words_and_written_as_a_table(tmp_path: Path, capsys: 
     assert "holds the paths of single particles, and no detector" in capsys.readouterr().err
     tracks.read(path).to_csv(tmp_path / "t.csv")
     rows = list(csv.DictReader((tmp_path / "t.csv").read_text().splitlines()[2:]))
-    assert ",".join(rows[0]) == "particle,law,species,fate,where,t [s],x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],sx,sy,sz" and len(rows) == 7
+    assert ",".join(rows[0]) == "particle,law,species,fate,where,t [s],x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],sx,sy,sz,weight" and len(rows) == 7
     assert (rows[4]["particle"], rows[4]["law"], rows[4]["y [m]"], rows[4]["z [m]"]) == ("1", DORADO, repr(float(1 / 3)), "0.0")
     frame = tracks.read(path).to_dataframe()
     assert frame["t"].tolist()[:3] == pytest.approx([0, 5e-4, 1e-3]) and frame.attrs["units"]["vy"] == "m/s"

@@ -33,16 +33,17 @@ TEST(TransitionsOfTwoPhotons, AreAsStrongAsBothStepsOverWhatTheLevelBetweenIsOff
     ADD_FAILURE() << "there is none";
     return Transition{};
   };
-  const Transition first = between(transitions_near(structure, zone), level(1), level(0)),
-                   second = between(transitions_near(structure, zone), level(2), level(1));
+  const Transition first = between(transitions_near(structure, driven_zone(zone)), level(1), level(0)),
+                   second = between(transitions_near(structure, driven_zone(zone)), level(2), level(1));
   zone.drive->oscillator.frequency = (first.frequency + second.frequency) / 2;
   const double off = zone.drive->oscillator.frequency - first.frequency;
-  const Transition both = between(transitions_of_two_photons(structure, zone, 1e3), level(2), level(0));
+  const Transition both =
+      between(transitions_of_two_photons(structure, driven_zone(zone), 1e3), level(2), level(0));
   EXPECT_NEAR(both.detuning, 0, 1e-3);
   EXPECT_NEAR(both.rabi, std::abs(first.rabi * second.rabi / (2 * off)), 2e-3 * both.rabi);
   EXPECT_GT(std::abs(off), 10e3 + 10 * first.rabi);
   zone.drive->oscillator.frequency = first.frequency;
-  for (const Transition& t : transitions_of_two_photons(structure, zone, 1e3))
+  for (const Transition& t : transitions_of_two_photons(structure, driven_zone(zone), 1e3))
     EXPECT_FALSE(t.upper == level(2) && t.lower == level(0)) << "one photon after the other";
 }
 
@@ -58,7 +59,7 @@ double centre_by_floquet(const LevelZone& zone, const Structure& structure, cons
     for (int n = -most; n <= most; ++n) {
       const int at = (n + most) * d;
       h.block(at, at, d, d).diagonal() = states.energy.array() - states.energy(line.lower) + n * frequency;
-      if (n < most) h.block(at, at + d, d, d) = h.block(at + d, at, d, d) = states.coupling / 2;
+      if (n < most) h.block(at, at + d, d, d) = h.block(at + d, at, d, d) = states.up;
     }
     const Eigensystem<Eigen::MatrixXd> all = eigensystem_of(h);
     const auto is_of_both = [&](int k) {
@@ -89,7 +90,7 @@ TEST(TransitionsOfTwoPhotons, AreShiftedByTheirFieldAsFloquetsStatesAre) {
   const int upper = *find_weak_field_level(labels, 4, 4), lower = *find_weak_field_level(labels, 4, 2);
   const auto share = [&](double amplitude) {  // of the second order in the whole
     zone.drive->amplitude = amplitude;
-    const std::vector<Transition> all = transitions_of_two_photons(structure, zone, 2e3);
+    const std::vector<Transition> all = transitions_of_two_photons(structure, driven_zone(zone), 2e3);
     const auto line =
         std::ranges::find_if(all, [&](const Transition& t) { return t.upper == upper && t.lower == lower; });
     if (line == all.end()) return 0.0;

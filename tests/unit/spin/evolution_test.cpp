@@ -52,7 +52,8 @@ Eigen::MatrixXd of_the_whole_state(const CoupledSpins& spins, const std::vector<
     }
     const DrivenStates states = driven_states(spins, levels_at(spins, zone.field), *zone.drive);
     const DrivenStates* const alone[] = {&states};
-    const RotatingFrame frame = rotating_frame(labels, *zone.drive, alone);
+    const RotatingFrame frame =
+        rotating_frame(labels, sense_of(*zone.drive), zone.drive->oscillator.frequency, alone);
     const StandingCoupling standing = standing_coupling(frame, states);
     const auto into_frame = [&](double y) {
       Eigen::Vector<Cycles, Eigen::Dynamic> cycles(spins.levels());

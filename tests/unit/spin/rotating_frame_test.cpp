@@ -22,7 +22,7 @@ struct Frame {
   Frame(const CoupledSpins& spins, double field, const RotatingTerm& drive)
       : states(driven_states(spins, levels_at(spins, field), drive)) {
     const DrivenStates* const alone[] = {&states};
-    frame = rotating_frame(level_labels(spins), drive, alone);
+    frame = rotating_frame(level_labels(spins), sense_of(drive), drive.oscillator.frequency, alone);
     standing = standing_coupling(frame, states);
   }
   double shift(int upper, int lower) const {
@@ -47,7 +47,7 @@ TEST(RotatingFrame, KeepsFarCouplingsAllOrNone) {
     int standing = 0, coupled = 0;
     for (int upper = 0; upper < 5; ++upper)
       for (int lower = 5; lower < 8; ++lower) {
-        coupled += frame.states.coupling(upper, lower) != 0 ? 1 : 0;
+        coupled += frame.states.up(upper, lower) != 0 ? 1 : 0;
         standing += frame.standing.first(upper, lower) != 0 ? 1 : 0;
       }
     EXPECT_EQ(coupled, 6);

@@ -39,7 +39,7 @@ void drive(Flight& f, double field, double frequency, const Eigen::Vector3d& axi
     places.push_back({b.norm(), turning, field * across, field * across, field * along});
   }
   wave.frame =
-      wave_frame(f.spins, manifolds_of(f.spins, f.apart), std::vector<WaveAlong>{{frequency, places}});
+      wave_frame(f.spins, manifolds_of(f.spins, f.apart), std::vector<WaveAlong>{{frequency, places}}, 1e-3);
   f.fields.sections[0].wave = static_cast<int>(f.fields.waves.size());
   f.fields.waves.push_back(wave);
 }

@@ -1,0 +1,132 @@
+"""What `check` reckons before a flight, against closed forms and what a flight gives."""
+import re
+import subprocess
+from pathlib import Path
+
+import h5py
+import pytest
+
+from experiments import RABILINE
+
+NEUTRONS = """rabiline: 1
+title: neutrons
+species: neutron
+law: quantum
+source:
+  speed: {kind: single, value: %s m/s}
+  opening: {width: 1 mm, height: 1 mm}
+  direction: parallel
+  spin: {kind: polarised, axis: %s, degree: 1}
+parts:
+%s
+particles: 400
+seed: 1
+"""
+ATOM = """rabiline: 1
+title: atoms
+species: %s
+law: {name: quantum, outcomes: coherent}
+source:
+  speed: {kind: single, value: 1000 m/s}
+  opening: {radius: 1 nm}
+  direction: parallel
+  spin: {kind: levels, levels: [%s]}
+parts:
+%s
+  - {name: det, kind: detector, at: 0.1 m, width: 40 mm, height: 40 mm, bins: [1, 1], tallies: [{name: st, axes: [level]}]}
+particles: 1
+seed: 7
+"""
+OWN = ("{name: my, mass: 20 u, charge: 0 e, structure: {I: 3/2, J: 1/2, coupling: 30 MHz, g_J: 2.002, g_I: -0.001}}")
+METRES = {"pm": 1e-12, "nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
+
+
+def check(folder: Path, text: str, verb: str = "check", *options: str) -> subprocess.CompletedProcess:
+    (folder / "in.yaml").write_text(text)
+    return subprocess.run([RABILINE, verb, folder / "in.yaml", *options], capture_output=True, text=True, timeout=100)
+
+
+def run(folder: Path, text: str) -> h5py.Group:
+    done = check(folder, text, "run", "-o", str(folder / "out.h5"))
+    assert done.returncode == 0, done.stderr
+    return h5py.File(folder / "out.h5")["entry"]
+
+
+def parts(told: str) -> list[float]:
+    """[pi, sigma+, sigma-] of the first field [uT]."""
+    found = re.search(r"pi (\S+) (\S?T), sigma\+ (\S+) (\S?T), sigma- (\S+) (\S?T)", told)
+    scale = {"T": 1e6, "mT": 1e3, "uT": 1.0, "nT": 1e-3, "pT": 1e-6}
+    return [float(found[i]) * scale[found[i + 1]] for i in (1, 3, 5)]
+
+
+@pytest.mark.parametrize("more", ["", "  - {name: L, at: 1.2 m, kind: current_loop, radius: 5 cm, field: 1 uT}\n"])
+def test_paths_split_by_where_the_gradient_stands_and_not_by_what_else_is_flown_through_in_steps(tmp_path: Path, more: str) -> None:
+    told = check(tmp_path, NEUTRONS % (200, "x", "  - {name: GF, at: 0 m, length: 2.4 m, kind: uniform_field, field: 20 uT}\n" + more +
+                 "  - {name: U, at: 2.1 m, length: 0.1 m, kind: uniform_field, field: 0.1 mT, gradient: {quadrupole: 1 T/m}}\n"
+                 "  - {name: A, at: 2.4 m, kind: spin_filter, axis: x, up: 1, down: 0}\n"
+                 "  - {name: D, kind: detector, at: 2.41 m, width: 40 cm, height: 40 cm, bins: [10, 10]}")).stdout
+    moment, mass, length, lever = 9.6623651e-27, 1.67492750056e-27, 0.1, 0.21
+    expected = 2 * moment / mass * (length**2 / 2 + length * lever) / 200**2
+    number, unit = re.search(r"paths come apart by (\S+) (\S?m) ", told).groups()
+    assert abs(float(number) * METRES[unit] / expected - 1) < 0.03, told
+
+
+def test_what_falls_along_the_beam_is_reckoned_at_the_speed_that_it_has_there(tmp_path: Path) -> None:
+    text = NEUTRONS.replace("seed: 1", "seed: 1\ngravity: {acceleration: 9.81 m/s^2, direction: -y}") % (7, "z",
+        "  - {name: U, at: 1 m, length: 1 m, kind: uniform_field, field: 2 uT}\n"
+        "  - {name: R, at: 1.5 m, length: 0.2 m, kind: rotating_field, amplitude: 0.5 uT, frequency: 58.33 Hz, sense: co, phase: locked}\n"
+        "  - {name: D, kind: detector, at: 2.1 m, width: 40 cm, height: 40 cm, bins: [1, 1], tallies: [{name: st, axes: [level]}]}")
+    told = check(tmp_path, text).stdout
+    flip = float(re.search(r"flip probability of spin 1/2 here (\S+)", told)[1])
+    flown = run(tmp_path, text)["D_levels/levels"][1]
+    assert abs(flown - 0.666) < 0.001 and abs(flip - flown) < 0.002
+
+
+@pytest.mark.parametrize("turned", ["direction: y, tilt: {x: 1 deg}", "direction: x", "direction: z", "direction: [0, 0.6, 0.8]"])
+def test_nothing_has_left_a_map_in_front_of_it_or_behind(tmp_path: Path, turned: str) -> None:
+    rows = [f"{r},{z},0,{1 + r * r / 1e4}" for r in range(0, 31, 5) for z in range(-120, 121, 10)]
+    (tmp_path / "round.csv").write_text("\n".join(["r [mm],z [mm],Br [uT],Bz [uT]", *rows]) + "\n")
+    text = NEUTRONS.replace("width: 1 mm, height: 1 mm", "width: 10 mm, height: 10 mm") % (800, "z",
+        f"  - {{name: M, at: 0.3 m, kind: field_map, map: round.csv, outside: error, {turned}}}\n"
+        "  - {name: D, kind: detector, at: 0.6 m, width: 40 cm, height: 40 cm, bins: [1, 1]}")
+    assert run(tmp_path, text)["instrument/D/data"][:].sum() == 400
+    aside = text.replace("width: 10 mm, height: 10 mm", "width: 10 mm, height: 400 mm").replace("map: round.csv", "offset: {x: 31 mm}, map: round.csv")
+    if turned != "direction: x":
+        assert run(tmp_path, aside)["instrument/D/data"][:].sum() < 400
+
+
+@pytest.mark.parametrize("static, tilt, expected", [
+    ("direction: x", "0 deg", (20, 10, 10)), ("direction: [0, 1, 1]", "0 deg", (14.142, 17.071, 2.929)), ("direction: z", "30 deg", (10, 18.660, 1.340))])
+def test_a_rotating_field_has_its_parts_about_the_static_one(tmp_path: Path, static: str, tilt: str, expected: tuple[float, ...]) -> None:
+    text = ATOM % ("Na-23 atom", "F=2 m=2", f"  - {{name: C, kind: uniform_field, at: 0 m, length: 0.2 m, field: 1 mT, {static}}}\n"
+                   "  - {name: R, kind: rotating_field, at: 0.02 m, length: 0.005 m, amplitude: 20 uT, frequency: 6.91518 MHz, sense: positive, "
+                   f"phase: locked, tilt: {{x: {tilt}}}}}")
+    told = check(tmp_path, text)
+    assert "drives no transition" not in told.stdout and parts(told.stdout) == pytest.approx(expected, abs=2e-3)
+
+
+def test_what_check_says_that_a_field_across_its_axis_flips_is_flown(tmp_path: Path) -> None:
+    text = ATOM % (OWN, "F=2 m=2", "  - {name: C, kind: uniform_field, at: 0 m, length: 0.2 m, field: 0.3 mT, direction: [1, 0, 0.2]}\n"
+                   "  - {name: R, kind: rotating_field, at: 0.02 m, length: 0.02 m, amplitude: 0.4 uT, frequency: FREQUENCY, sense: positive, phase: locked}")
+    line = re.search(r"F=2 m=\+2 - F=2 m=\+1 at (\S+) MHz", check(tmp_path, text.replace("FREQUENCY", "2 MHz")).stdout)[1]
+    text = text.replace("FREQUENCY", f"{line} MHz")
+    flips = float(re.search(r"F=2 m=\+2 - F=2 m=\+1 at .*, alone it flips ([0-9.]+)", check(tmp_path, text).stdout)[1])
+    flown = run(tmp_path, text)["det_levels/levels"][:]
+    assert 0.02 < flips < 0.5 and abs(flown[1] - flips) < 0.02 * flips
+
+
+def test_two_fields_whose_photons_together_meet_a_line_are_told(tmp_path: Path) -> None:
+    text = ATOM % (OWN, "F=1 m=0", "  - {name: C, kind: uniform_field, at: 0 m, length: 0.2 m, field: 0.3 mT}\n"
+                   "  - {name: R, kind: oscillating_field, at: 0.02 m, length: 0.04 m, direction: x, amplitude: 100 uT, frequency: 40 MHz, approximation: rotating_wave, phase: locked}\n"
+                   "  - {name: S, kind: oscillating_field, at: 0.02 m, length: 0.04 m, direction: z, amplitude: 100 uT, frequency: 37.980600 MHz, approximation: rotating_wave, phase: locked}")
+    poor = "the rotating-wave approximation of `R` and `S` is poor"
+    assert poor in check(tmp_path, text).stdout
+    assert poor not in check(tmp_path, text.replace("amplitude: 100 uT", "amplitude: 1 uT")).stdout
+
+
+def test_what_swings_is_told_at_its_largest(tmp_path: Path) -> None:
+    for phase in ("0 deg", "90 deg", "random"):
+        told = check(tmp_path, NEUTRONS % (800, "z", f"  - {{name: L, at: 0.3 m, reach: 0.1 m, kind: current_loop, radius: 2 cm, field: 1 mT, oscillates: {{frequency: 3 kHz, phase: {phase}}}}}\n"
+                     "  - {name: D, kind: detector, at: 0.6 m, width: 4 cm, height: 4 cm, bins: [1, 1]}")).stdout
+        largest = re.search(r"up to (\S+) uT on the axis", told)
+        assert "up to 1 mT on the axis" in told or float(largest[1]) > 999, told
