@@ -47,7 +47,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn, Sequence, TextIO
 
-from . import asked
 from .argument_types import file_name
 from .errors import TURNING
 
@@ -138,19 +137,13 @@ class Parser(argparse.ArgumentParser):
             self.error(f"{table} is a table of counts: write --data {table}")
         return super().parse_args(words)
 
-    def _check_value(self, action: argparse.Action, value: object) -> None:
-        """One of several words, or the one that is meant."""
-        if action.choices is not None and value not in action.choices:
-            names = [str(one) for one in action.choices]
-            raise argparse.ArgumentError(action, f"there is no `{value}`, but {', '.join(names)}{asked.near(str(value), names)}")
-
     def error(self, message: str) -> NoReturn:
         unknown = next((word for word in message.split() if word.startswith("--")), "") if message.startswith("unrecognized") else ""
         option, known = unknown.partition("=")[0], list(self._option_string_actions)
         if chosen := re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message):
             option, known = chosen[1].lower(), re.findall(r"'([^']*)'", chosen[2])
             message = f"{message[:chosen.start()]}`{chosen[1]}` is none of {', '.join(known)}"
-        near = get_close_matches(option, known, 1)
+        near = get_close_matches(option, known, 1, 0.5 if chosen else 0.6)
         others = [] if near or not unknown else _verbs_with(option)
         self.exit(2, f"rabiline: {message} " + (f"(did you mean {near[0]}?)\n" if near else
                                                 f"({option} is an option of {', '.join(others)})\n" if others else "(see --help)\n"))

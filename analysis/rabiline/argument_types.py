@@ -43,6 +43,8 @@ def rate_or_zero(text: str) -> float:
 
 def count(text: str, least: int = 1, most: float = inf) -> int:
     """A whole number that is large enough; 1e5 is one, too."""
+    if not text:
+        raise ArgumentTypeError("it is empty")
     value = _number(text)
     if not (least <= value <= most and value == int(value)):
         raise ArgumentTypeError(f"`{text}` is no whole number, {least} {'or above' if most == inf else f'to {most}'}")

@@ -36,15 +36,18 @@ Vector3 steady_field_at(const Section& section, double y, double t) {
   for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, sum);
   return section.field + vector_of(sum);
 }
-/// What swings at its largest.
+/// Of what swings, all at one angle p as a cos p + b sin p, the long axis of the ellipse.
 Vector3 field_at(const Section& section, double y, double t) {
-  Vector3 sum = steady_field_at(section, y, t);
+  Vector3 a, b;
   for (const SwingingTerm& term : section.swinging) {
     FieldHere<double> peak{};
     add_field<HostMaths>(term.field, 0.0, y, 0.0, peak);
-    sum = sum + vector_of(peak);
+    const double phase = term.oscillator.phase_of_swing(1);
+    a = a + portable::cos(phase) * vector_of(peak);
+    b = b + portable::sin(phase) * vector_of(peak);
   }
-  return sum;
+  const double angle = portable::atan2(2 * dot(a, b), dot(a, a) - dot(b, b)) / 2;
+  return steady_field_at(section, y, t) + portable::cos(angle) * a + portable::sin(angle) * b;
 }
 Vector3 electric_field_at(const Section& section, double y, double /*it stands*/) {
   FieldHere<double> sum{};
