@@ -351,7 +351,7 @@ def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
         edges = [0, *(np.flatnonzero(np.abs(np.diff(weight)) > SHARE) + 1), few.size]
         for first, behind in zip(edges, edges[1:]):  # what is left of it, from the last place of what was there before
             axes.plot(y[max(first - 1, 0):behind], across[max(first - 1, 0):behind], color=colours[number], linewidth=0.7,
-                      alpha=0.8 * max(weight[first], PALEST), zorder=4, label=None if first else label)
+                      alpha=0.8 * max(weight[first], PALEST), zorder=4, label=None if first else label, in_layout=False)
 
 
 def _share_of_names(rows: int, height: float) -> float:
