@@ -76,14 +76,15 @@ def draw(options: argparse.Namespace) -> Figure:
     """The apparatus of a file."""
     from .experiment import load
     experiment = load(options.file).scan()
-    if experiment.is_model:
-        raise InputError(f"{options.file} is a model, and no beamline to draw")
     experiment = experiment.set({name: value for name, _, value in (text.partition("=") for text in options.set)})
     return draw_apparatus(experiment, options.paths, options.title)
 
 
 def draw_apparatus(experiment: Experiment, paths: int | None = None, title: str | None = None) -> Figure:
-    """Side (z) and top (x) view over y, and the fields along the beam. `paths` are PATHS by default, or as many as PATIENCE allows."""
+    """Side (z) and top (x) view over y, and the fields along the beam, without a scan. `paths` are PATHS by default, or as many as PATIENCE allows."""
+    if experiment.is_model:
+        raise InputError(f"{experiment.path} is a model, and no beamline to draw")
+    experiment = experiment.scan()
     pieces = pieces_of(experiment)
     if not pieces:
         raise InputError(f"{experiment.path}: no parts to draw")

@@ -94,7 +94,8 @@ def times(value: object, count: int) -> list[float]:
 def names(name: str, value: object) -> list[str]:
     """Each of them once, none empty. Raises TypeError and InputError."""
     if isinstance(value, str) or not isinstance(value, Iterable):
-        raise TypeError(f"`{name}` is a list of names, not {_kind(value)}")
+        such_as = f", such as [{value!r}]" if isinstance(value, str) else ""
+        raise TypeError(f"`{name}` is a list of names{such_as}, not {_kind(value)}")
     found = [text(f"a name in `{name}`", one) for one in value]
     if not all(map(str.strip, found)):
         raise InputError(f"a name in `{name}` is empty")

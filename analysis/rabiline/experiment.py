@@ -24,6 +24,7 @@ from .errors import as_keywords
 if TYPE_CHECKING:
     import numpy as np
     import pandas
+    from matplotlib.figure import Figure
 
     from .fitting import CountsFit
     from .motions import Motions
@@ -193,6 +194,21 @@ class Experiment:
         in s. Raises TypeError, and ValueError for a model, a negative number and for none or too many particles."""
         from . import tracks
         return tracks.read(_core.trace(self._setup, asked.whole_number("first", first, 0, 2**63), asked.whole_number("count", count, 1, asked.MOST_TRACKS)))
+
+    def draw(self, output: str | Path | None = None, *, paths: int | None = None, size: str | tuple[float, float] | None = None,
+             title: str | None = None, dpi: float = 200) -> Figure:
+        """The picture of `rabiline draw`: the apparatus with some paths, 50 by default; written to `output` where that is given. `size` in mm, "86x60"
+        or a pair. Raises InputError for a model, an ending that is no picture's and a size that has no room, StorageError, TypeError and ValueError."""
+        from . import style
+        from .apparatus import draw_apparatus
+        from .picture_options import asked_dots, asked_size
+        with as_keywords():
+            dpi, paths = asked_dots(dpi), None if paths is None else asked.whole_number("paths", paths, 0, asked.MOST_TRACKS)
+            with style.here(asked_size(size)):
+                figure = draw_apparatus(self, paths, title)
+            if output is not None:
+                style.save(figure, output, dpi)
+        return figure
 
     def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
         """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""

@@ -189,7 +189,7 @@ def test_mistakes_in_what_is_set_or_scanned_are_shown_as_the_caller_wrote_them(r
     (lambda e: e.field([(0, 0, 0)], times=3), "`times` is a list of 1 times in s, one for each place"),
     (lambda e: e.value(3), "`name` is a text, not int"), (lambda e: e.unit(None), "`name` is a text, not NoneType"),
     (lambda e: e.fit(3, ["B.field"]), "a table is the path of a file or a pandas.DataFrame, not int"),
-    (lambda e: e.fit("a.csv", "B.field"), "`free` is a list of names, not a text"),
+    (lambda e: e.fit("a.csv", "B.field"), "`free` is a list of names, such as ['B.field'], not a text"),
     (lambda e: e.set({"B.field": b"9 mT"}), "`B.field` is a number in SI, a text with its unit, a list or a mapping, not bytes"), (lambda e: forecast(e, ["B.field"], rate="x"), "`rate` is a number, not a text"),
     (lambda e: forecast(e, ["B.field"], rate=1e6, background="x"), "`background` is a number, not a text"),
     (lambda e: e.set(particles=10).run().write(3), "`path` is the path of a file, not int"), (lambda e: e.run(threads=True), "`threads` is a whole number, not bool"),

@@ -25,6 +25,17 @@ def test_parts_are_drawn_where_they_stand_with_their_openings() -> None:
     assert pieces["slit"].half == {"x": 0.0004, "z": 1.75e-5} and pieces["magnet"].half["x"] == 0.002
 
 
+def test_python_draws_an_apparatus_as_the_command_does(tmp_path: Path) -> None:
+    experiment = rabiline.load(BEAMLINES / "ramsey.yaml")
+    plt.close(experiment.draw(tmp_path / "a.png", paths=3, size="120x100"))
+    assert main(["draw", str(BEAMLINES / "ramsey.yaml"), "-n", "3", "--size", "120x100", "-o", str(tmp_path / "b.png")]) == 0
+    assert (plt.imread(tmp_path / "a.png") == plt.imread(tmp_path / "b.png")).all()
+    with pytest.raises(rabiline.InputError, match="is a model, and no beamline to draw"):
+        rabiline.load(BEAMLINES / "rotating-cylinder.yaml").draw()
+    with pytest.raises(ValueError, match="paths"):
+        experiment.draw(paths=-1)
+
+
 def test_paths_are_told_apart_by_their_fate() -> None:
     figure = draw_apparatus(rabiline.load(BEAMLINES / "stern-gerlach.yaml").scan(), 50)
     shown = {text.get_text() for text in figure.axes[-1].get_legend().get_texts()}
