@@ -26,6 +26,8 @@ int rescan_command(const RescanArguments& a, const std::vector<std::string>& arg
   RunSettings settings = a.machine.settings();
   settings.arguments = arguments;
   settings.planned = [&](const std::vector<Diagnostic>& warnings) { tell(warnings, a.strict, stderr); };
+  watch_signals();
+  const StoppedAtOnce end("stopped; nothing was written\n");
   ResultsFile file(output);
   settings.points = [&](const Result& points) { file.add(points); };
   const Result result = rescan(a.flown, a.changes, settings);

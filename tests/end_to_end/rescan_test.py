@@ -4,6 +4,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import h5py
@@ -214,3 +215,12 @@ def test_memory_is_stated_as_a_size(folder: Path) -> None:
     alone = rabiline("run", "rabi.yaml", "--max-memory", "1 MiB", "--set", "screen.bins=[2000, 2000]", "--no-scan", "--threads", "1", cwd=folder)
     assert "the histograms need " in alone.stderr and " on one thread, and" in alone.stderr, alone.stderr
     assert "help: use fewer `bins`, or allow more" in alone.stderr
+
+
+def test_a_rescan_that_is_stopped_says_that_nothing_was_written(folder: Path) -> None:
+    begun = subprocess.Popen([PROGRAM, "rescan", "rabi.h5", "--scan", "C.field=0.9 mT:1.1 mT:400001", "-o", "long.h5"], cwd=folder, stderr=subprocess.PIPE, text=True)
+    time.sleep(1.5)
+    begun.terminate()
+    told = begun.communicate(timeout=10)[1]
+    assert begun.returncode == 4 and told.endswith("\nstopped; nothing was written\n") and "before the flight" not in told, told
+    assert not (folder / "long.h5").exists() and not list(folder.glob(".*.tmp"))
