@@ -121,10 +121,9 @@ def _kind(value: object) -> str:
     return "a text" if isinstance(value, str) else type(value).__name__
 
 
-def near(name: str, names: Iterable[str]) -> str:
-    """", did you mean `clock`?" where one of the names is like it."""
-    found = difflib.get_close_matches(name, list(names), 1, 0.5)
-    return f"; did you mean `{found[0]}`?" if found else ""
+def near(name: object, names: Iterable[str]) -> str:
+    """The one of these names that is most like it; empty where none is."""
+    return next(iter(difflib.get_close_matches(str(name), list(names), 1)), "")
 
 
 def place_of(name: object, names: tuple[str, ...], given: tuple[str, ...] = ()) -> int:
@@ -132,6 +131,6 @@ def place_of(name: object, names: tuple[str, ...], given: tuple[str, ...] = ()) 
     if name in given:
         raise KeyError(f"{name!r} starts where the counts have it, and is given no other start")
     if name not in names:
-        near = difflib.get_close_matches(str(name), names, 1)
-        raise KeyError(f"there is no {name!r}{f', but {near[0]!r}' if near else ''} (there is {', '.join(names)})")
+        meant = near(name, names)
+        raise KeyError(f"there is no {name!r}{f', but {meant!r}' if meant else ''} (there is {', '.join(names)})")
     return names.index(name)

@@ -199,16 +199,11 @@ class Experiment:
              title: str | None = None, dpi: float = 200) -> Figure:
         """The picture of `rabiline draw`: the apparatus with some paths, 50 by default; written to `output` where that is given. `size` in mm, "86x60"
         or a pair. Raises InputError for a model, an ending that is no picture's and a size that has no room, StorageError, TypeError and ValueError."""
-        from . import style
         from .apparatus import draw_apparatus
-        from .picture_options import asked_dots, asked_size
+        from .picture_options import drawn
+        paths = None if paths is None else asked.whole_number("paths", paths, 0, asked.MOST_TRACKS)
         with as_keywords():
-            dpi, paths = asked_dots(dpi), None if paths is None else asked.whole_number("paths", paths, 0, asked.MOST_TRACKS)
-            with style.here(asked_size(size)):
-                figure = draw_apparatus(self, paths, title)
-            if output is not None:
-                style.save(figure, output, dpi)
-        return figure
+            return drawn(lambda: draw_apparatus(self, paths, title), output, size, dpi)
 
     def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
         """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""

@@ -123,16 +123,10 @@ class CountsFit:
              dpi: float = 200) -> object:
         """Counts, the fitted curve and the residuals; written to `output` where that is given. `size` in mm, "86x60" or a pair. Raises OSError,
         TypeError, and errors.InputError for an ending that is no picture's or a size that has no room."""
-        from . import style
         from .fit_plots import draw_fit
-        from .picture_options import asked_dots, asked_size
+        from .picture_options import drawn
         with as_keywords():
-            dpi = asked_dots(dpi)
-            with style.here(asked_size(size)):
-                figure = draw_fit(self, title)
-            if output is not None:
-                style.save(figure, output, dpi)
-        return figure
+            return drawn(lambda: draw_fit(self, title), output, size, dpi)
 
 
 @np.errstate(all="ignore")  # of values that lead nowhere

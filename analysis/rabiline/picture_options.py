@@ -5,12 +5,15 @@ from argparse import ArgumentParser, ArgumentTypeError
 from math import inf
 from numbers import Real
 from pathlib import Path
-from typing import Callable, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Callable, NoReturn, TypeVar
 
 from . import asked
 from .argument_types import heading
 from .errors import InputError
 from .units import parse_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 T = TypeVar("T")
 
@@ -63,6 +66,17 @@ def asked_size(size: object) -> tuple[float, float] | None:
 def asked_dots(dpi: object) -> float:
     """Per inch. Raises TypeError for what is no number, and InputError for one that is none of a picture."""
     return KeywordParser.require("dpi", dots, str(asked.number("dpi", dpi)))
+
+
+def drawn(draw: Callable[[], Figure], output: Path | str | None, size: object, dpi: object) -> Figure:
+    """What `draw` makes, in the size and with the dots that a call asks for; written to `output` where that is given."""
+    from . import style
+    dpi = asked_dots(dpi)
+    with style.here(asked_size(size)):
+        figure = draw()
+    if output is not None:
+        style.save(figure, output, dpi)
+    return figure
 
 
 def add_options(verb: str, parser: ArgumentParser) -> None:

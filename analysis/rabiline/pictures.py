@@ -275,7 +275,8 @@ def plot_tally(options: argparse.Namespace) -> Figure:
     """A tally of a monitor or a detector, over one or two of its axes."""
     file = _results(options.file)
     if options.name not in file.tallies:
-        there = f"there is {', '.join(file.tallies)}{asked.near(options.name, file.tallies)}" if file.tallies else "it has none"
+        meant = asked.near(options.name, file.tallies)
+        there = f"there is {', '.join(file.tallies)}{f'; did you mean `{meant}`?' if meant else ''}" if file.tallies else "it has none"
         raise InputError(f"{file.path}: no tally `{options.name}` ({there})")
     tally = file.tallies[options.name]
     names = [axis.name for axis in tally.axes]
