@@ -137,20 +137,11 @@ Kind kind_of(Handle type, Handle space, const std::string& where) {
   return {std::move(type), std::move(space), of_one, count, varies, std::move(bytes)};
 }
 
-/// HDF5 follows the references of texts of any length to wherever a damaged file makes them point, and has no
-/// check of its own.
-void require_texts(hid_t attribute, hid_t type, std::size_t count, const std::string& where) {
-  const auto read = [&] {
-    std::vector<char*> texts(count);
-    return H5Aread(attribute, type, texts.data()) >= 0;
-  };
-  if (!ends_well(read)) refuse(where, "its text cannot be read");
-}
-
 /// Called by HDF5 for each attribute in the order of their names.
 struct Attributed {
   std::string where;
   std::span<const std::string_view> but;
+  bool texts_are_sound;  // known already, of the whole file
   std::string bytes{}, refusal{};
 };
 herr_t add_attribute(hid_t object, const char* name, const H5A_info_t*, void* data) {
@@ -165,7 +156,8 @@ herr_t add_attribute(hid_t object, const char* name, const H5A_info_t*, void* da
     if (kind.size > most || kind.count > most / kind.size) refuse(where, "it is too large");
     all.bytes += fmt::format("@{}={}", name, kind.bytes);
     std::string values(kind.count * kind.size, '\0');
-    if (kind.varies) require_texts(attribute.id(), kind.type.id(), kind.count, where);
+    const auto read = [&] { return H5Aread(attribute.id(), kind.type.id(), values.data()) >= 0; };
+    if (kind.varies && !all.texts_are_sound && !ends_well(read)) refuse(where, "its text cannot be read");
     check(H5Aread(attribute.id(), kind.type.id(), values.data()), where);
     if (!kind.varies) {
       all.bytes += values;
@@ -220,10 +212,23 @@ bool FileReader::contains(const std::string& name) const {
   return true;
 }
 
+bool FileReader::texts_are_sound() const {
+  const auto read_all = [&] {
+    const auto read_of = [&](const std::string& name) {
+      const Handle object(H5Oopen(file_.id(), name.c_str(), H5P_DEFAULT), H5Oclose, name);
+      Attributed attributes{name, {}, true};
+      return H5Aiterate2(object.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, add_attribute, &attributes) >= 0;
+    };
+    return read_of("/") && std::ranges::all_of(names_, read_of);
+  };
+  if (!texts_are_sound_) texts_are_sound_ = ends_well(read_all);
+  return *texts_are_sound_;
+}
+
 std::string FileReader::everything(const std::string& name, std::span<const std::string_view> but) const {
   const std::string place = where(name);
   const Handle object(H5Oopen(file_.id(), name.c_str(), H5P_DEFAULT), H5Oclose, place);
-  Attributed attributes{place, but};
+  Attributed attributes{place, but, texts_are_sound()};
   const herr_t iterated =
       H5Aiterate2(object.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, add_attribute, &attributes);
   if (!attributes.refusal.empty()) throw StorageError(attributes.refusal);
@@ -307,7 +312,8 @@ std::string FileReader::attribute(const std::string& name, const char* attribute
     char* text = nullptr;
     const Handle memory = variable_text(place);
     const hid_t as = H5Tget_cset(type.id()) == H5T_CSET_ASCII ? type.id() : memory.id();
-    require_texts(attribute.id(), as, 1, place);
+    if (!ends_well([&] { return H5Aread(attribute.id(), as, &text) >= 0; }))
+      refuse(place, "its text cannot be read");
     check(H5Aread(attribute.id(), as, &text), place);
     std::string out = text == nullptr ? "" : std::string(text).substr(0, longest);
     H5free_memory(text);

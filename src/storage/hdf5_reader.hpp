@@ -3,6 +3,7 @@
 // before its size was found to be reasonable.
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -49,12 +50,17 @@ class FileReader {
   std::vector<Number> numbers_of(const std::string& name, std::size_t most, hid_t file_type,
                                  hid_t memory_type, std::string_view kind) const;
   void find_names();
+  /// HDF5 follows the references of texts of any length to wherever a damaged file makes them point, and has
+  /// no check of its own: whether all of them can be read, which a process of its own tries once; where it
+  /// does not end well, each is tried before it is read.
+  bool texts_are_sound() const;
   Handle open_dataset(const std::string& name) const;
   std::string where(const std::string& name) const;
 
   std::string file_name_, digest_;
   Handle file_;
   std::vector<std::string> names_;
+  mutable std::optional<bool> texts_are_sound_;
 };
 
 }  // namespace rabiline::hdf5
