@@ -59,12 +59,17 @@ template <class Maths, class Number>
   return cell;
 }
 
-/// Eight numbers at once, on every instruction set elementwise, wherever they stand in memory.
-using MapOctet = double __attribute__((vector_size(64)));
-using MapOctetInMemory [[gnu::aligned(8), gnu::may_alias]] = double __attribute__((vector_size(64)));
+/// A few numbers at once, elementwise, wherever they stand in memory: as many as the processor has lanes,
+/// since compilers take more apart through memory.
+template <int width>
+struct MapPiece {
+  typedef double Numbers __attribute__((vector_size(8 * width)));
+  typedef double InMemory __attribute__((vector_size(8 * width), aligned(8), may_alias));
+};
 
 /// Weights and cells are worked out for all lanes together, the sums then particle by particle along rows of
-/// the table: four nodes along z with four numbers each are two octets.
+/// the table: four nodes along z with four numbers each, in pieces. Each number is summed up in the same
+/// order whatever the pieces.
 template <class Maths, class Number>
 [[gnu::always_inline]] inline FieldHere<Number> field_of(const MapShape& map, Number x, Number y, Number z) {
   constexpr int lanes = Maths::lanes;
@@ -81,45 +86,58 @@ template <class Maths, class Number>
     if (map.outside == MapOutside::zero) share = share * cell.inside;
   }
   const long row = 4L * (map.nodes[2] + 2), layer = row * (map.nodes[1] + 2);
+  constexpr int width = lanes == 1 ? 2 : lanes, half = 8 / width;  // pieces of two nodes
+  using Piece = typename MapPiece<width>::Numbers;
+  using PieceInMemory = typename MapPiece<width>::InMemory;
   for (int p = 0; p < lanes; ++p) {
     const double* corner = map.table + static_cast<long>(first[0][p]) * layer +
                            static_cast<long>(first[1][p]) * row + static_cast<long>(first[2][p]) * 4;
-    MapOctet low{}, high{}, x_low{}, x_high{}, y_low{}, y_high{};
+    Piece value[2 * half], by_x[2 * half], by_y[2 * half];
+#pragma GCC unroll 8
+    for (int q = 0; q < 2 * half; ++q) {
+      Piece v{}, x_slope{}, y_slope{};
 #pragma GCC unroll 4
-    for (int i = 0; i < 4; ++i) {
-      MapOctet sum_low{}, sum_high{}, by_low{}, by_high{};
+      for (int i = 0; i < 4; ++i) {
+        Piece sum{}, by{};
 #pragma GCC unroll 4
-      for (int j = 0; j < 4; ++j) {
-        const double* c = corner + i * layer + j * row;
-        const MapOctet a = *reinterpret_cast<const MapOctetInMemory*>(c);
-        const MapOctet b = *reinterpret_cast<const MapOctetInMemory*>(c + 8);
-        const double w = weight[1][j][p], d = slope[1][j][p];
-        sum_low += a * w;
-        sum_high += b * w;
-        by_low += a * d;
-        by_high += b * d;
+        for (int j = 0; j < 4; ++j) {
+          const Piece c = *reinterpret_cast<const PieceInMemory*>(corner + i * layer + j * row + q * width);
+          sum += c * weight[1][j][p];
+          by += c * slope[1][j][p];
+        }
+        v += sum * weight[0][i][p];
+        x_slope += sum * slope[0][i][p];
+        y_slope += by * weight[0][i][p];
       }
-      const double w = weight[0][i][p], d = slope[0][i][p];
-      low += sum_low * w;
-      high += sum_high * w;
-      x_low += sum_low * d;
-      x_high += sum_high * d;
-      y_low += by_low * w;
-      y_high += by_high * w;
+      value[q] = v;
+      by_x[q] = x_slope;
+      by_y[q] = y_slope;
     }
-    const double(*w)[lanes] = weight[2], (*d)[lanes] = slope[2];
-    const MapOctet w_low{w[0][p], w[0][p], w[0][p], w[0][p], w[1][p], w[1][p], w[1][p], w[1][p]};
-    const MapOctet w_high{w[2][p], w[2][p], w[2][p], w[2][p], w[3][p], w[3][p], w[3][p], w[3][p]};
-    const MapOctet d_low{d[0][p], d[0][p], d[0][p], d[0][p], d[1][p], d[1][p], d[1][p], d[1][p]};
-    const MapOctet d_high{d[2][p], d[2][p], d[2][p], d[2][p], d[3][p], d[3][p], d[3][p], d[3][p]};
-    const MapOctet value = low * w_low + high * w_high, by_x = x_low * w_low + x_high * w_high;
-    const MapOctet by_y = y_low * w_low + y_high * w_high, by_z = low * d_low + high * d_high;
+    const auto weighed = [&](const Piece& piece, const double(*w)[lanes], int q) {
+      if constexpr (width < 8) {
+        return piece * w[q * width / 4][p];
+      } else {
+        const double a = w[2 * q][p], b = w[2 * q + 1][p];
+        return piece * Piece{a, a, a, a, b, b, b, b};
+      }
+    };
+    alignas(64) double along[4][8];  // of B, and of its slopes: along even nodes, and along odd ones
+#pragma GCC unroll 4
+    for (int q = 0; q < half; ++q) {
+      const auto store = [&](double* to, const Piece* of, const double(*w)[lanes]) {
+        *reinterpret_cast<PieceInMemory*>(to + q * width) =
+            weighed(of[q], w, q) + weighed(of[q + half], w, q + half);
+      };
+      store(along[0], value, weight[2]);
+      store(along[1], by_x, weight[2]);
+      store(along[2], by_y, weight[2]);
+      store(along[3], value, slope[2]);
+    }
 #pragma GCC unroll 3
     for (int m = 0; m < 3; ++m) {
-      out[m][p] = value[m] + value[4 + m];
-      out[3 + 3 * m][p] = by_x[m] + by_x[4 + m];
-      out[4 + 3 * m][p] = by_y[m] + by_y[4 + m];
-      out[5 + 3 * m][p] = by_z[m] + by_z[4 + m];
+      out[m][p] = along[0][m] + along[0][4 + m];
+#pragma GCC unroll 3
+      for (int k = 0; k < 3; ++k) out[3 + 3 * m + k][p] = along[1 + k][m] + along[1 + k][4 + m];
     }
   }
   FieldHere<Number> here;
