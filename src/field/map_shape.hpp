@@ -94,7 +94,7 @@ template <class Maths, class Number>
                            static_cast<long>(first[1][p]) * row + static_cast<long>(first[2][p]) * 4;
     Piece value[2 * half], by_x[2 * half], by_y[2 * half];
 #pragma GCC unroll 8
-    for (int q = 0; q < 2 * half; ++q) {
+    for (long q = 0; q < 2 * half; ++q) {
       Piece v{}, x_slope{}, y_slope{};
 #pragma GCC unroll 4
       for (int i = 0; i < 4; ++i) {
@@ -113,7 +113,7 @@ template <class Maths, class Number>
       by_x[q] = x_slope;
       by_y[q] = y_slope;
     }
-    const auto weighed = [&](const Piece& piece, const double(*w)[lanes], int q) {
+    const auto weighed = [&](const Piece& piece, const double(*w)[lanes], long q) {
       if constexpr (width < 8) {
         return piece * w[q * width / 4][p];
       } else {
@@ -123,7 +123,7 @@ template <class Maths, class Number>
     };
     alignas(64) double along[4][8];  // of B, and of its slopes: along even nodes, and along odd ones
 #pragma GCC unroll 4
-    for (int q = 0; q < half; ++q) {
+    for (long q = 0; q < half; ++q) {
       const auto store = [&](double* to, const Piece* of, const double(*w)[lanes]) {
         *reinterpret_cast<PieceInMemory*>(to + q * width) =
             weighed(of[q], w, q) + weighed(of[q + half], w, q + half);
