@@ -18,7 +18,11 @@ bool ends_well(const std::function<bool()>& work) {
     const rlimit no_core{0, 0}, time{longest, longest};
     setrlimit(RLIMIT_CORE, &no_core);
     setrlimit(RLIMIT_CPU, &time);
-    _exit(work() ? 0 : 1);
+    try {
+      _exit(work() ? 0 : 1);
+    } catch (...) {  // which would go on in two processes
+      _exit(1);
+    }
   }
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
