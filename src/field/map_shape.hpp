@@ -86,7 +86,8 @@ template <class Maths, class Number>
     if (map.outside == MapOutside::zero) share = share * cell.inside;
   }
   const long row = 4L * (map.nodes[2] + 2), layer = row * (map.nodes[1] + 2);
-  constexpr int width = lanes == 1 ? 2 : lanes, half = 8 / width;  // pieces of two nodes
+  constexpr int width = lanes == 1 ? 2 : lanes;
+  constexpr long half = 8 / width;  // pieces of two nodes
   using Piece = typename MapPiece<width>::Numbers;
   using PieceInMemory = typename MapPiece<width>::InMemory;
   for (int p = 0; p < lanes; ++p) {
