@@ -186,21 +186,21 @@ def open_entry(source: Path | str | bytes) -> Iterator[Group]:
     """Opens the group `/entry` of a file, or of its bytes, for reading."""
     path = IN_MEMORY if isinstance(source, bytes) else Path(source)
     file, sealed = _opened(source, path)
-    with file:
-        if "entry" not in file:
-            raise FileError(path, "a shard or a checkpoint: `rabiline merge` joins shards, `rabiline resume` goes on from a checkpoint"
-                            if "sums_low" in file else "not written by rabiline (it has no group /entry)")
-        version = file.attrs.get("format_version", 1)
-        if not isinstance(version, (int, np.integer)) or version > FORMAT_VERSION:
-            raise UnreadableFile(path, f"has format version {version}; this program reads versions up to {FORMAT_VERSION}")
-        if version >= SEALED_SINCE and not sealed:
-            raise UnreadableFile(path, "has no seal at its end: it was cut short, or changed since rabiline wrote it")
-        try:
+    try:
+        with file:
+            if "entry" not in file:
+                raise FileError(path, "a shard or a checkpoint: `rabiline merge` joins shards, `rabiline resume` goes on from a checkpoint"
+                                if "sums_low" in file else "not written by rabiline (it has no group /entry)")
+            version = file.attrs.get("format_version", 1)
+            if not isinstance(version, (int, np.integer)) or version > FORMAT_VERSION:
+                raise UnreadableFile(path, f"has format version {version}; this program reads versions up to {FORMAT_VERSION}")
+            if version >= SEALED_SINCE and not sealed:
+                raise UnreadableFile(path, "has no seal at its end: it was cut short, or changed since rabiline wrote it")
             yield Group(file, path).group("entry")
-        except InputError:
-            raise
-        except (ArithmeticError, LookupError, OSError, RuntimeError, TypeError, ValueError) as problem:
-            raise UnreadableFile(path, f"cannot be used: {problem}") from problem
+    except InputError:
+        raise
+    except (ArithmeticError, LookupError, OSError, RuntimeError, TypeError, ValueError) as problem:
+        raise UnreadableFile(path, f"cannot be used: {problem}") from problem
 
 
 def require_file(path: Path) -> None:

@@ -60,7 +60,7 @@ Path keep(const Snapshot& snapshot, const Path& output) {
 }
 
 /// One that takes longer than a moment to write is told with its size.
-int keep_stopped(const Snapshot& snapshot, const Path& output) {
+int keep_stopped(const Snapshot& snapshot, const Path& output, bool flew) {
   constexpr double moment = 0.5, mebibyte = 1048576;
   const auto begin = std::chrono::steady_clock::now();
   const Path kept = keep(snapshot, output);
@@ -71,6 +71,7 @@ int keep_stopped(const Snapshot& snapshot, const Path& output) {
   const bool is_long = !unknown && took.count() > moment;
   say(stderr, "{}",
       told_of_stop(kept, is_long ? fmt::format(", {:.3g} MiB written in {:.1f} s", size, took.count()) : ""));
+  if (!flew) say(stderr, "  note: no particle came to its end this time: leave the run more of it\n");
   return exit_code::stopped;
 }
 
@@ -207,12 +208,13 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
     progress.writing(written, setup.points());
     if (written < setup.points() && stop_requested()) throw Stopped();
   };
+  const auto flew = [&] { return last.done() > (start ? start->done() : 0); };
   std::optional<Result> result;
   try {
     progress.planning(setup.points());
     result = run(setup, settings);
     progress.clear();
-    if (!last.complete) return keep_stopped(last, output);
+    if (!last.complete) return keep_stopped(last, output, flew());
     if (options.keep) back_up(output);
     if (result)
       file->save(*result);
@@ -221,7 +223,7 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   } catch (const Stopped&) {
     progress.clear();
     file.reset();  // which leaves room for the checkpoint
-    return keep_stopped(last, output);
+    return keep_stopped(last, output, flew());
   } catch (const StorageError& error) {
     if (!last.complete) throw;
     progress.clear();

@@ -60,8 +60,10 @@ void ProgressLine::writing(std::size_t points, std::size_t of) {
 
 void ProgressLine::operator()(const Progress& p) {
   if (quiet_) return;
+  const bool foreseen = p.seconds_left > 0 || p.done >= 1;  // nothing is before the first have flown
   const std::string text =
-      fmt::format("{:5.1f} %  {} left{}", 100 * p.done, duration(p.seconds_left), reached(p));
+      fmt::format("{:5.1f} %{}{}", 100 * p.done,
+                  foreseen ? fmt::format("  {} left", duration(p.seconds_left)) : "", reached(p));
   if (terminal_) {
     show(text);
     return;

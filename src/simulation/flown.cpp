@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "core/call_off.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -34,6 +36,27 @@ std::vector<Plain> unpack(std::string_view& from) {
 }
 
 }  // namespace
+
+void ThreadSums::fly(TreeRunner& runner, const Plan& plan, const ParticleRange& range,
+                     const std::atomic<bool>* stop, bool slowly) {
+  std::unique_lock guard(lock);
+  const Heeding heeding(slowly || finished.list().empty() ? stop : nullptr);
+  if (slowly) {
+    guard.unlock();
+    Sums apart(plan.sums);
+    runner.fly(plan.trees[range.tree], range.first, range.last, apart);
+    guard.lock();
+    sums.resize(plan.sums);
+    add(sums, apart);
+  } else {
+    sums.resize(plan.sums);
+    torn = true;
+    runner.fly(plan.trees[range.tree], range.first, range.last, sums);
+    torn = false;
+  }
+  finished.insert(range.place, range.place + (range.last - range.first));
+  for (const std::uint64_t particle : runner.stragglers()) stragglers.push_back({range.tree, particle});
+}
 
 Flown::Flown(const Plan& plan, const Snapshot* start) : size_(plan.sums) {
   if (start == nullptr) return;

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "core/call_off.hpp"
 #include "core/thread_stacks.hpp"
 #include "simulation/clock.hpp"
 #include "simulation/dealer.hpp"
@@ -261,18 +262,8 @@ class Runner {
         const std::uint64_t particles = range.last - range.first;
         if (particles == 0) break;
         const Clock::time_point begin = Clock::now();
-        const PlanTree& tree = plan_.trees[range.tree];
-        {
-          const std::lock_guard guard(share.lock);
-          share.sums.resize(plan_.sums);
-          share.torn = true;
-          runner.fly(tree, range.first, range.last, share.sums);
-          share.finished.insert(range.place, range.place + particles);
-          for (const std::uint64_t particle : runner.stragglers())
-            share.stragglers.push_back({range.tree, particle});
-          share.torn = false;
-        }
-        const double cost = tree.cost * static_cast<double>(particles);
+        const double cost = plan_.trees[range.tree].cost * static_cast<double>(particles);
+        share.fly(runner, plan_, range, options_.stop, pace.seconds(cost) > 0.25);
         pace.took(cost, seconds_since(begin));
         const std::lock_guard guard(deal_lock_);
         held_ -= particles;
@@ -282,6 +273,7 @@ class Runner {
         news_ = true;
         if (snapshot_is_due()) turn_.notify_one();
       }
+    } catch (const CalledOff&) {  // these particles fly when the run goes on
     } catch (...) {
       fail(std::current_exception());
     }

@@ -16,7 +16,7 @@ namespace rabiline {
 struct Progress {
   double done = 0;          // fraction of the work
   double seconds = 0;       // since this run began
-  double seconds_left = 0;  // estimate
+  double seconds_left = 0;  // estimate; 0 before anything has flown, too
   /// Where the run ends at a precision: the errors of `detected` and of the line's centre [SI] so far, or 0.
   /// `done` then is that of the part under way.
   double error = 0, centre_error = 0;

@@ -68,6 +68,8 @@ class Pace {
   explicit Pace(double seconds) : seconds_(seconds) {}
   /// Of a tree whose particles cost so much.
   std::uint64_t particles(double cost) const;
+  /// What work of this cost is expected to take [s].
+  double seconds(double cost) const { return per_cost_ * cost; }
   void took(double cost, double seconds);
 
  private:

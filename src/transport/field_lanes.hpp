@@ -5,6 +5,7 @@
 // w, W and a at the place of the lane and at its time. A step is of fourth order: they are taken at the two
 // Gauss points of the path, which is known there to third order from a at the begin and at the first point.
 // In an electric field w depends on the velocity too, by v x E/c^2, which is known to second order there.
+#include "core/call_off.hpp"
 #include "core/constants.hpp"
 #include "transport/adiabaticity_lanes.hpp"
 #include "transport/moment_lanes.hpp"
@@ -313,7 +314,9 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   v.tell_wall(region, zone, v.wall, start, false);
   const mask began = going;
+  const auto* const call = call_off;
   while (any(going)) {
+    heed(call);
     // Straight ahead a step ends on the zone's end: only bent paths go beyond it.
     const real ahead = (end - now.place.y) / now.velocity.y;
     const mask comes = now.velocity.y > broadcast(0);

@@ -9,6 +9,7 @@
 // turns from n at the begin by the shortest way, which adds a turn about n. Where all couplings
 // V_kl are weak against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with
 // S_kl = V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
+#include "core/call_off.hpp"
 #include "transport/level_jump_lanes.hpp"
 #include "transport/level_path_lanes.hpp"
 #include "transport/level_period_lanes.hpp"
@@ -287,6 +288,7 @@ class LevelFlight {
     const double tolerance = course_.tolerance;
     real tries = broadcast(0);
     while (any(going)) {
+      heed(call_off);
       const real left = stop - s;
       LevelMatrix now;
       const FieldAtTime field = path_.field_at(section, s);

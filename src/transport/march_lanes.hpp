@@ -117,7 +117,9 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
   mask going = chosen & in_wall(zone, far_out(region, zone, start.place));
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   v.tell_wall(region, zone, v.wall, start, false);
+  const auto* const call = call_off;
   while (any(going)) {
+    heed(call);
     curve.begin(now);
     const Reach reach{curve.ripple() * speed, curve.bend() * speed, broadcast(zone.step), span};
     real tau = broadcast(0);

@@ -123,6 +123,7 @@ void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) 
     Lookout lookout{region, batch, i, words{}, words{}};
     const words particle = load(batch.particle + i);
     while (any(pack.inside)) {
+      heed(call_off);
       const int zone = first_zone(pack, region.zone_count);
       const mask chosen = pack.inside & (pack.zone == code(0, zone));
       real phases[most_drives];

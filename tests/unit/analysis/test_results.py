@@ -163,6 +163,16 @@ def test_a_wrong_file_is_named_with_the_reason(tmp_path: Path, harm: object, rea
     assert str(caught.value) == f"{path}: {reason}"
 
 
+def test_names_of_the_file_that_are_damaged_are_no_mistake_of_the_program(tmp_path: Path) -> None:
+    path = write_results(tmp_path / "a.h5", [frequencies(5)], np.ones(5), law=["quantum"], bins=4)
+    heap = path.read_bytes().index(b"HEAP")  # of the names in the first group: behind the signature 4 bytes, the size, the free list
+    damaged = bytearray(path.read_bytes())
+    damaged[heap + 16:heap + 24] = (0x7777).to_bytes(8, "little")
+    path.write_bytes(damaged)
+    with pytest.raises(FileError, match="cannot be used"):
+        results.read(path)
+
+
 def forge(path: Path, name: str, value: object) -> None:
     with h5py.File(path, "a") as file:
         shape = file[f"entry/{name}"].shape
