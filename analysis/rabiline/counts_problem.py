@@ -184,14 +184,10 @@ class Problem:
         """What is known of the parameters: on the average over where their own errors may put them, since at the top of a curve a parameter
         has no slope and is known by the bend alone, as far as the exposure does not explain it."""
         mu, slopes, each, _ = self.together(values, modes)
-        modes = each[:, None] * modes
         surface, groups, k = self.surface, len(self.surface.noise), self.surface.centre.size
         by = np.append(surface.steps, np.ones(len(self.extra)))
         slopes = slopes * by[:, None]
-        # Where an edge is about to come in, or to go, the curve is known no better than as it is on both sides, where more particles make it.
-        beside = np.maximum(mu, each * np.maximum(np.einsum("iin->in", surface.bends), 0).sum(axis=0))
-        few = np.maximum(mu, np.sqrt(np.sum(modes**2, axis=1)))  # of one particle the error is all of it
-        mu, modes = beside, modes * np.sqrt(np.maximum(beside / few, 1))[:, None]
+        mu, modes = self.beside_edges(mu, each, modes)
         bends = [each * own.reshape(k * k, mu.size) for own in (surface.bends, *surface.bend_noise)]
         rows = [slopes, *(each * surface.noise), *bends]
         weighed = np.split(self.weigh(np.concatenate(rows).T, mu, modes), np.cumsum([len(own) for own in rows])[:-1], axis=1)
@@ -204,6 +200,14 @@ class Problem:
         of_slopes[:k, :k] += sum(noise)
         of_bends[:k, :k] += sum(np.einsum("ijml,jl->im", own, scatter) for own in trembling)
         return Fisher(*(part / by / by[:, None] for part in (matrix, of_slopes, matrix - straight, of_bends)))
+
+    def beside_edges(self, mu: np.ndarray, each: np.ndarray, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """[n] Counts and [n, m] modes of their errors: where an edge is about to come in, or to go, the curve is known no better than as it is on
+        both sides, where more particles make it."""
+        modes = each[:, None] * modes
+        beside = np.maximum(mu, each * np.maximum(np.einsum("iin->in", self.surface.bends), 0).sum(axis=0))
+        few = np.maximum(mu, np.sqrt(np.sum(modes**2, axis=1)))  # of one particle the error is all of it
+        return beside, modes * np.sqrt(np.maximum(beside / few, 1))[:, None]
 
     def badness(self, values: np.ndarray, modes: np.ndarray) -> tuple[float, np.ndarray]:
         """Q and its gradient."""
@@ -274,5 +278,9 @@ def _inverse(matrix: np.ndarray) -> np.ndarray:
 def shares_of_simulation(problem: Problem, values: np.ndarray) -> np.ndarray:
     """[k] Which part of the variance of each parameter of the curve is the simulation's, or where none is free, of each of the exposure: its next
     flight may differ by that."""
-    whole, part = (np.diag(_inverse(problem.fisher(values, modes).matrix)) for modes in (problem.modes(values), np.zeros((problem.counts.size, 0))))
-    return np.clip(1 - part / np.maximum(whole, 1e-300), 0, 1)[:problem.surface.steps.size or values.size]
+    modes = problem.modes(values)
+    mu, slopes, each, _ = problem.together(values, modes)
+    mu, modes = problem.beside_edges(mu, each, modes)
+    levers = _inverse(problem.fisher(values, problem.modes(values)).matrix) @ problem.weigh(slopes.T, mu, modes).T  # [k, n] by a count more
+    simulated, counted = np.sum((levers @ modes)**2, axis=1), np.sum(levers**2 * mu, axis=1)
+    return (simulated / np.maximum(simulated + counted, 1e-300))[:problem.surface.steps.size or values.size]

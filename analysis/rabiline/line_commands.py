@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
-DEFAULT = "rabi"
+PROFILES = {"m", "rad", "deg", "m/s", "K"}  # what no resonance lies over
 FEWEST_CELLS, LEAST_SHARE = 12, 0.01  # of the slowness, with such a part of the beam, by which flight times are told apart
 BETTER = 3.0  # times smaller: a chi² that makes another form worth naming
 NEEDED = {"frequency": "Hz", "field": "T", "amplitude": "T", "gradient": "T/m", "current": "A", "phase": "deg"}  # units that columns must have, by their ends
@@ -39,7 +39,8 @@ def arguments(parser: ArgumentParser) -> None:
     parser.description = fit_a_line.__doc__
     parser.add_argument("file", metavar="FILE", type=Path, help="a result (HDF5), or measured counts (CSV)")
     parser.add_argument("--form", choices=[*FORMS],
-                        help="rabi by default, which like ramsey is averaged over the times of flight that a result keeps, or over normal ones where it tells few apart")
+                        help="rabi by default, over places and angles gauss; rabi and ramsey are averaged over the times of flight that a result keeps, or over normal ones "
+                             "where it tells few apart")
     parser.add_argument("--lines", type=count, default=1, metavar="N", help="how many, alike but for centre and contrast")
     parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help='where a parameter starts: "centre=29 kHz"; a plain number is in SI')
     known = parser.add_mutually_exclusive_group()
@@ -91,13 +92,14 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         exposure, each = _exposure(counts)
         y, errors = counts.counts / exposure, Poisson(exposure)
         deviations = np.sqrt(np.diag(errors.covariance(y, 1.0)))
+    usual = "gauss" if unit in PROFILES else "rabi"
     start = dict(_start(text, unit) for text in options.start)
-    fitted = fit_line(x, y, errors, forms[options.form or DEFAULT], lines=options.lines, start=start)
+    fitted = fit_line(x, y, errors, forms[options.form or usual], lines=options.lines, start=start)
     words = [*described(fitted, unit, written, each if each.startswith("counts /") else ""), *derived(fitted, unit, per_field, field, written)]
     print("\n".join(words))
     if options.form is None:
-        others = {name: form for name, form in forms.items() if name != DEFAULT}
-        print(f"           {DEFAULT} is the form by default: --form has {', '.join(others)} too")
+        others = {name: form for name, form in forms.items() if name != usual and not (unit in PROFILES and name in ("rabi", "ramsey"))}
+        print(f"           {usual} is the form by default: --form has {', '.join(others)} too")
         if fitted.p < LEAST_P and (better := _better(fitted, others, x, y, errors, options.lines)):
             print(f"  help: the form {better.form} describes the curve far better, with chi² {better.chi_squared:.1f}: --form {better.form}")
     if not options.output:

@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.counts import Counts  # noqa: E402
-from rabiline.counts_problem import Exposure, Problem
+from rabiline.counts_problem import Exposure, Problem, shares_of_simulation
 from rabiline.surface import Surface
 from rabiline.fitting import fit_counts
 from rabiline.profiles import halves  # noqa: E402
@@ -109,6 +109,18 @@ def test_where_few_simulated_particles_come_by_chance_pulls_neither_a_parameter_
         errors = np.sqrt(np.diag(problem.fisher(found, problem.modes(found)).covariance))
         pulls.append((found - [0.0, 1.0]) / errors)
     assert np.abs(np.mean(pulls, axis=0)).max() < 0.25 and np.abs(np.std(pulls, axis=0) - 1).max() < 0.15
+
+
+@pytest.mark.parametrize("counts_of_one", [0.25, 4.0])
+def test_the_share_of_the_simulation_is_that_of_its_particles(counts_of_one: float) -> None:
+    """Also where points have a slope to which no particle came: they know nothing, however little they expect."""
+    draw, x, particle = np.random.default_rng(1), np.linspace(-2, 2, 51), 1 / 50000
+    y = np.maximum(draw.poisson(np.maximum(1.2 - np.abs(x), 0) / particle / 100), 1e-5) * particle
+    slopes = draw.normal(size=51)[None] * np.where(y > particle / 2, 1e-3, 1e-5)
+    surface = Surface(np.zeros(1), np.ones(1), y, slopes, np.zeros((1, 1, 51)), np.diag(np.maximum(y, particle) * particle), np.zeros((4, 1, 51)), np.zeros((4, 1, 1, 51)))
+    exposure = Exposure(np.full(51, counts_of_one / particle), np.ones(51), np.zeros(51), False)
+    problem = Problem(draw.poisson(counts_of_one / particle * y).astype(float), exposure, surface, ("scale",))
+    assert shares_of_simulation(problem, np.array([0.0, 1.0]))[0] == pytest.approx(counts_of_one / (1 + counts_of_one), rel=0.15)
 
 
 def test_a_profile_is_read_from_two_halves_of_parabolas() -> None:

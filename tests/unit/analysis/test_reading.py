@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rabiline import results
+from rabiline.__main__ import main
 from rabiline.curves import Curve, curves, half_maxima
 from rabiline.fit import bell
 from rabiline.forms import rabi, ramsey
@@ -92,6 +93,14 @@ def test_side_lobes_of_a_strong_field_are_told_to_be_possible_ones(tmp_path: Pat
     assert len(strong.resonances) == 3 and strong.may_be_lobes and strong.how.endswith(LOBES)
     usual = reading_of(only(of(tmp_path, x, rabi(x, 2500, 0.2e-3))))
     assert not usual.may_be_lobes
+
+
+def test_a_profile_over_places_is_no_rabi_line(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    z = np.linspace(-2, 2, 41)
+    (tmp_path / "a.csv").write_text("wire.offset.z [mm],counts\n" + "".join(f"{at},{n:.0f}\n" for at, n in zip(z, 20 + 900 * np.exp(-((z - 0.3) / 0.5)**2))))
+    assert main(["fit-line", str(tmp_path / "a.csv")]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("form       gauss\ncentre     0.300") and "gauss is the form by default: --form has lorentz, sinc2 too" in said
 
 
 def test_lines_of_one_height_are_no_lobes(tmp_path: Path) -> None:
