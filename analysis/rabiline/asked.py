@@ -55,7 +55,10 @@ def number(name: str, value: object) -> float:
     value = plain(value)
     if not isinstance(value, Real) or isinstance(value, bool):
         raise TypeError(f"`{name}` is a number, not {_kind(value)}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise InputError(f"`{name}` is larger than any number of the machine") from None
 
 
 def whole_number(name: str, value: object, least: int = 0, most: int | None = None) -> int:

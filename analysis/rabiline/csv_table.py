@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 LARGEST_TABLE = 10**7  # bytes
 LARGEST_NUMBER = 1e100
+COMMA = "\n  help: numbers have a decimal point, and no commas between thousands"
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,8 @@ class Table:
             try:
                 found.append(asked.written_number(cell))
             except ValueError:
-                raise FileError(self.path, f"line {line}: {f'`{cell}` is no number ({name})' if cell else f'a number of the column `{name}` is missing'}") from None
+                wrong = f"`{cell}` is no number ({name}){COMMA if ',' in cell else ''}" if cell else f"a number of the column `{name}` is missing"
+                raise FileError(self.path, f"line {line}: {wrong}") from None
             if not abs(found[-1]) <= LARGEST_NUMBER:
                 raise FileError(self.path, f"line {line}: `{cell}` is out of range ({name})")
         return found

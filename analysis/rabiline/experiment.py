@@ -140,12 +140,14 @@ class Experiment:
         may be as on the command line, "B.field=9 mT:11 mT:3". Without arguments: without any scan, the file's own included.
         Raises InputError as `load` does, and TypeError."""
         if names is None:
+            if not isinstance(values, (str, Sequence)) or len(values) > 0:
+                raise TypeError("values of a scan belong to a parameter, and `names` says none")
             return replace(self, scans=(), without_scan=True)
         if "=" in asked.text("`names`", names):
             if values:
                 raise TypeError(f"`{names}` has its values already, and no others are taken")
             return replace(self, scans=(*self.scans, names))
-        if not isinstance(values, Iterable) or isinstance(values, (bytes, bytearray)):
+        if not isinstance(values, Iterable) or isinstance(values, (bytes, bytearray, Mapping)):
             raise TypeError(f'the values of a scan are a list, or a range such as "280 kHz:300 kHz:21", not {type(values).__name__}')
         if not isinstance(values, str):
             values = ",".join(_quoted(self._text(names.split(",")[0], value), ",") for value in values)
@@ -190,8 +192,8 @@ class Experiment:
         return _core.probe(self._setup, where, asked.times(times, len(where)))
 
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
-        """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times
-        in s. Raises TypeError, and ValueError for a model, a negative number and for none or too many particles."""
+        """The paths of `count` particles from number `first` on, or as many as there are, without the scan: positions [n, 3] in m, velocities in m/s,
+        times in s. Raises TypeError, and ValueError for a model, a negative number and for none or too many particles."""
         from . import tracks
         return tracks.read(_core.trace(self._setup, asked.whole_number("first", first, 0, 2**63), asked.whole_number("count", count, 1, asked.MOST_TRACKS)))
 

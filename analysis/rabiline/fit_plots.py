@@ -35,7 +35,7 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     for own, label, colour in _rows(fit, order):
         above.errorbar(x[own], counts[own], (counts[own] - low[own], high[own] - counts[own]), fmt="o", markersize=3,
                        color=colour if label else INK, elinewidth=0.8, linestyle="none", label=label or "counted")
-        above.plot(x[own], expected[own], color=colour, linewidth=1.3, label=None if label else curve_name)
+        above.plot(x[own], expected[own], color=colour, linewidth=1.3, label=None if label else curve_name, zorder=3)
         if band.max() > 0.002 * np.ptp(expected):
             above.fill_between(x[own], (expected - band)[own], (expected + band)[own], color=colour, alpha=0.2, linewidth=0,
                                label=None if label else band_name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Iterable
 
 import numpy as np
+from scipy import stats
 
 from .covariance import LEAST_P, freedom_in_words, p_in_words
 from .held import PART, Held
@@ -87,6 +88,12 @@ def why_unknown(fit: CountsFit, number: int) -> str:
     return "lost in the simulation's noise" if lost and all(one.hidden for one in lost) else "not known by itself" if lost else ""
 
 
+def told_shortly(fit: CountsFit, number: int) -> str:
+    """A parameter with its value, where it has one."""
+    name, unknown = fit.names[number], why_unknown(fit, number) or ("not determined" if is_undetermined(fit, number) else "")
+    return f"{name} {unknown}" if unknown else f"{name} = {fit.told(number)}"
+
+
 def few_particles(particles: int, wanted: float) -> str:
     """For a fit, or a forecast."""
     return f"{particles} particles at each point may be too few to tell: try --particles {float(f'{wanted:.1g}'):.0f}"
@@ -123,6 +130,9 @@ def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:
         yield (f"  `{one.name}` is not free, and the counts fit as well with {one.value:.3g} of it and {fit.names[i]} near {there}, {abs(one.moved[i]):.0f} "
                "of its errors from here: a search from where the fit started ends there")
         yield f"  help: fit with `{one.name}` in --free, or measure it"
+    elif one.is_wanted and float(stats.chi2.sf(fit.chi_squared - one.fall, fit.freedom - 1)) < LEAST_P:
+        yield (f"  a free `{one.name}` would take {one.fall:.0f} off chi², which leaves it too large: something else that is held, or the experiment "
+               "itself, is not as in the measurement")
     elif one.is_wanted and not one.is_possible:
         yield (f"  the counts lean towards a {one.name} of {one.value:.3g} by {np.sqrt(one.fall):.1f} standard deviations, which cannot be: something else that "
                "is held, or the experiment itself, is not as in the measurement")

@@ -105,7 +105,8 @@ class CountsFit:
         return float(self.values[i]), np.inf if any(i in direction.involved for direction in self.degenerate) else float(self.errors[i])
 
     def __repr__(self) -> str:
-        return f"<fit of {self.title}: {', '.join(f'{name} = {self.told(i)}' for i, name in enumerate(self.names))}>"
+        from .fit_report import told_shortly
+        return f"<fit of {self.title}: {', '.join(told_shortly(self, i) for i in range(len(self.names)))}>"
 
     def told(self, number: int) -> str:
         """A parameter's value with its error, in the unit that the file has."""
@@ -238,7 +239,10 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
                           for i in range(k)])
     if k == 0:  # where the counts are far off, their weights go to and fro with a factor and a background that are found anyway
         return values, problem
-    raise NoFit("the fit does not come to rest: start nearer, or free fewer parameters")
+    noisy = counts.counts.max() > model.particles
+    raise NoFit("the fit does not come to rest: " + (
+        f"the counts know the curve better than {model.particles} simulated particles at each point: fly more --particles" if noisy else
+        "start nearer, or free fewer parameters"))
 
 
 def _better(model: CurveModel, problem: Problem, fisher: Fisher, values: np.ndarray, found: np.ndarray, particles: int | None = None,

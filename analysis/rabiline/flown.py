@@ -19,7 +19,7 @@ class Flown(Results):
         vars(self)["core"] = core
 
     def __getattr__(self, name: str) -> object:
-        if name.startswith("__") or "scan" in vars(self):
+        if name.startswith("__") or "scan" in vars(self) or "core" not in vars(self):
             raise AttributeError(f"a result has no `{name}`")
         vars(self).update(vars(read(self.core.image())))
         return getattr(self, name)

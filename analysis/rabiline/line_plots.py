@@ -27,7 +27,7 @@ def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit,
     fine = np.union1d((np.geomspace if in_ratios else np.linspace)(x.min(), x.max(), PLACES), x)
     figure, axes = plt.subplots(figsize=style.size(7.2, 4.5 + 0.06 * len(words)), layout="constrained")
     axes.errorbar(at, y[order], errors[order], fmt="o", color=INK, markersize=3, elinewidth=0.8, linestyle="none")
-    axes.plot(scale.apply(fine), fitted.curve(fine), color=MODEL, linewidth=1.3)
+    axes.plot(scale.apply(fine), fitted.curve(fine), color=MODEL, linewidth=1.3, zorder=3)  # over the points, which may stand close
     if in_ratios:
         style.logarithmic(axes.xaxis)
     style.name_below(axes, scale.label(name))

@@ -43,8 +43,11 @@ def told(fitted: LineFit) -> list[str]:
 
 def _value(fitted: LineFit, number: int, unit: str, written: tuple[str, float] | None) -> str:
     name, value, error = fitted.names[number], fitted.values[number], fitted.errors[number]
-    is_known = error < UNKNOWN * abs(value) or name.startswith(("centre", "baseline"))
-    return format_value(value, unit_of(name, unit), error, _written_of(name, written)) if is_known else "not known"
+    return format_value(value, unit_of(name, unit), error, _written_of(name, written)) if _is_known(fitted, number) else UNDETERMINED
+
+
+def _is_known(fitted: LineFit, number: int) -> bool:
+    return bool(fitted.errors[number] < UNKNOWN * abs(fitted.values[number]) or fitted.names[number].startswith(("centre", "baseline")))
 
 
 def _goes_below_zero(fitted: LineFit) -> bool:
@@ -63,7 +66,7 @@ def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = No
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
     if fitted.form == "rabi" and "time" in fitted.names and _goes_below_zero(fitted):
         lines.append("           no line can be that deep: flight times differ, and the form has one, so that strength, time and contrast are effective")
-    if "spread" in fitted.names and fitted["spread"][0] > WIDE:
+    if "spread" in fitted.names and (fitted["spread"][0] > WIDE or not _is_known(fitted, fitted.names.index("spread"))):
         lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
     together = fitted.deviance is None and fitted.p > TOGETHER
     lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, " + (

@@ -54,10 +54,18 @@ def shade(axes: Axes, regions: Sequence[Region], named: bool) -> int:
         begin, end = max(region.begin, left), min(region.end, right)
         half = 0.5 * (len(region.name) + 1) * LETTER / axes.figure.get_figwidth() * (right - left)
         middle = min(max((begin + end) / 2, left + half), right - half)
-        row = style.row_for(rows, min(begin, middle - half), max(end, middle + half))
+        row = row_for(rows, min(begin, middle - half), max(end, middle + half))
         height = style.scaled(ABOVE) + ROW * size * row
         axes.plot([begin, end], [1, 1], transform=up + ScaledTranslation(0, height / 72, axes.figure.dpi_scale_trans), clip_on=False,
                   color=GREY, linewidth=1.2, solid_capstyle="butt")
         axes.annotate(style.plain(region.name), (middle, 1), xycoords=up, xytext=(0, height + 1), textcoords="offset points", ha="center",
                       va="bottom", color=GREY, fontsize=size)
     return len(rows)
+
+
+def row_for(rows: list[float], begin: float, end: float) -> int:
+    """The first of the rows above a panel that has room from `begin` to `end`, where `rows` has the place at which each one's last name
+    ends; names come by rising places."""
+    row = next((i for i, taken in enumerate(rows) if taken <= begin), len(rows))
+    rows[row:row + 1] = [end]
+    return row

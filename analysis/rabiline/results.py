@@ -4,6 +4,7 @@ Scan points are flat and row-major everywhere, as in the file: the last axis cha
 """
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Sequence
@@ -353,5 +354,5 @@ def _read_simulation(entry: Group) -> dict[str, str]:
         if name in group:
             provenance[name] = group.text(name)
     if "arguments" in group:
-        provenance["arguments"] = " ".join(group.texts("arguments"))
+        provenance["arguments"] = shlex.join(group.texts("arguments"))
     return provenance

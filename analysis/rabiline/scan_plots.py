@@ -15,6 +15,7 @@ from .curves import Curve, NoResonance, Resonance
 from .measured import Measured
 from .pieces import pieces_of, runs_of
 from .reading import Reading, reading_of
+from .regions import row_for
 from .results import Axis
 from .style import COUNTS, GREY, INK, Look, looks
 from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic, law_name, with_error
@@ -205,7 +206,7 @@ def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks:
     figure.colorbar(mesh, ax=list(panels.flat[:len(grids)]), label=measure or _measure(curves))
     for axes in panels.flat[max(0, len(grids) - columns):len(grids)]:
         axes.tick_params(labelbottom=True)
-        axes.set_xlabel(scale.label(along.parameter))
+        axes.set_xlabel(style.in_lines(scale.label(along.parameter), 0.75 * figure.get_figwidth() / columns, style.points("axes.labelsize")))
     for axes in panels[:, 0]:
         axes.set_ylabel(scale_across.label(across.parameter))
     style.write_title(figure, title if len(grids) > 1 else f"{title}\n{law_name(curves[0].law)}")
@@ -222,7 +223,7 @@ def draw_marks(axes: Axes, marks: dict[str, float], scale: Scale, named: bool = 
         if not named:
             continue
         middle, half = axes.transAxes.inverted().transform(axes.transData.transform((x, 0)))[0], 0.5 * (len(name) + 1) * LETTER / width
-        row = style.row_for(rows, middle - half, middle + half)
+        row = row_for(rows, middle - half, middle + half)
         axes.annotate(style.plain(name), (x, 1), xycoords=("data", "axes fraction"), xytext=(0, 3 + ROW * row), textcoords="offset points",
                       ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
     return len(rows)

@@ -18,6 +18,8 @@ def differing(paths: Sequence[Path]) -> list[dict[str, str]]:
     seeds; nothing where a file does not say, or where these are too many for a legend."""
     stated = [_stated(path) for path in paths]
     names = [name for name in stated[0] if all(name in one for one in stated) and len({one[name] for one in stated}) > 1]
+    if "species.name" in names:  # which says the rest of it
+        names = [name for name in names if not name.startswith("species.") or name == "species.name"]
     return [{name: one[name] for name in names} if len(names) <= MOST else {} for one in stated]
 
 
@@ -31,6 +33,8 @@ def what_differs(rows: Sequence[dict[str, str]]) -> tuple[str, list[str]]:
     for all is left out, and one name of a number stands above. Empty labels where nothing differs."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     differing = [name for name in names if len({row.get(name) for row in rows}) > 1]
+    if "species" in differing:
+        differing = [name for name in differing if name != "species.name"]
     if len(differing) == 1 and differing[0]:
         return "" if differing[0] in WORDS else differing[0], [row.get(differing[0], "") for row in rows]
     return "", [", ".join(row[name] if name in WORDS else f"{name} = {row[name]}" for name in differing if name in row) for row in rows]

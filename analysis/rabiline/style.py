@@ -371,6 +371,12 @@ def require_name(path: Path | str) -> None:
     require_place(path)
 
 
+def is_crowded(figure: Figure) -> bool:
+    """Whether a panel is too low for two numbers beside it."""
+    return any(axes.get_window_extent().height < 2.2 * label.get_window_extent().height for axes in figure.axes if axes.yaxis.get_visible()
+               for label in axes.get_yticklabels()[:1] if label.get_text() and label.get_visible())
+
+
 def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     """Writes the figure, as what its ending says, and forgets it. Raises StorageError, ValueError where it has too many dots, and InputError
     for an ending that is no picture's or where its size leaves no room between the letters."""
@@ -380,6 +386,8 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
             warnings.filterwarnings("error", "constrained_layout not applied")
             warnings.filterwarnings("always", GLYPH)
             figure.draw_without_rendering()  # a text beside a curve makes room for itself, and moves with what became narrower
+            if is_crowded(figure):
+                raise UserWarning
             figure.savefig(new, format=Path(path).suffix[1:].lower(), facecolor="white", dpi=dpi)
     except UserWarning:
         width, height = 25.4 * figure.get_size_inches()
@@ -389,11 +397,3 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     missing = dict.fromkeys(chr(int(found[1])) for one in told if (found := re.match(GLYPH, str(one.message))))
     if missing:
         warnings.warn(f"{path}: the letters of pictures lack {' '.join(missing)}, of which boxes are left", PictureWarning, stacklevel=2)
-
-
-def row_for(rows: list[float], begin: float, end: float) -> int:
-    """The first of the rows above a panel that has room from `begin` to `end`, where `rows` has the place at which each one's last name
-    ends; names come by rising places."""
-    row = next((i for i, taken in enumerate(rows) if taken <= begin), len(rows))
-    rows[row:row + 1] = [end]
-    return row

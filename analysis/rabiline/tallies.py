@@ -9,7 +9,7 @@ import numpy as np
 
 from .hdf5 import Group
 from .scan_axes import written_unit_of_bins
-from .units import Scale, fitting_scale, format_value, with_error
+from .units import Scale, fitting_scale, format_value, in_unit, with_error
 
 SMALL = 1e-3  # of a unit: what is smaller is shown in another one
 
@@ -36,10 +36,13 @@ class TallyAxis:
         return Scale(self.units) if self.units in ("m/s", "") and not written else fitting_scale(self.edges, self.units, written)
 
     def text(self, value: float, error: float) -> str:
-        """A mean or a deviation, in the unit in which the axis is shown."""
+        """A mean or a deviation, in the unit in which the axis is shown; one that has no error, with the digits that its sums have."""
         scale = self.scale
-        known = scale.origin == 0 and isfinite(error) and error > 0
-        return with_error(value, error, scale.unit, scale.factor) if known else format_value(value, self.units, error)
+        if scale.origin != 0:
+            return format_value(value, self.units, error)
+        if isfinite(error) and error > 0:
+            return with_error(value, error, scale.unit, scale.factor)
+        return in_unit(0.0 if abs(value) < 1e-7 * np.abs(self.edges).max() else value, scale.unit, scale.factor, 6).strip()
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <span>
 
 #include "commands/progress_line.hpp"
@@ -107,7 +108,11 @@ std::optional<Snapshot> checkpoint_beside(const Path& output, const Setup& setup
   try {
     found = read_snapshot(path);
   } catch (const StorageError& error) {
-    throw StorageError(fmt::format("{}\n  help: remove it to start anew: rm {}", error.what(), quoted(path)));
+    // What cannot even be opened may be whole.
+    const bool is_open = std::ifstream(path).is_open();
+    throw StorageError(
+        is_open ? fmt::format("{}\n  help: remove it to start anew: rm {}", error.what(), quoted(path))
+                : fmt::format("{}\n  help: it may be whole: let it be read, and run again", error.what()));
   }
   if (found.fingerprint != setup.fingerprint() || !(found.shard == settings.shard) ||
       found.transit != settings.transit || found.max_memory != settings.max_memory)

@@ -17,6 +17,7 @@ constexpr double start_up = 0.012,  // [s] of the program
 constexpr std::uint64_t first_particles = 8;
 constexpr double enough = 5e-3, plenty = 0.25;  // [s] to time a difference well; to time anything well
 constexpr double longest = 0.5;  // [s] of the first particles: what takes more is told as it is reckoned
+constexpr double too_long = 2;   // [s] of them, whatever was reckoned
 constexpr std::size_t most_sums = 1U << 23;  // 128 MiB: beyond that, nothing is flown for a line of text
 
 double bins_of(const Experiment& experiment) {
@@ -49,14 +50,19 @@ double time_of(Work work) {
   work();
   return processor_time() - begin;
 }
+/// CalledOff where it takes too long.
 double time_to_fly(const Plan& plan) {
   RunOptions options;
   options.isa = best_isa();
-  return time_of([&] { run(plan, options); });
+  options.latest = call_after(too_long).latest;
+  return time_of([&] {
+    if (!run(plan, options).finished) throw CalledOff();
+  });
 }
 
 /// Sums are made and added up once, however many particles fly: what one more takes is told from two flights.
-double time_of_flight(const Plan& plan) {
+template <class TimeToFly>
+double time_of_flights(const Plan& plan, TimeToFly time_to_fly) {
   constexpr std::size_t many_trees = 64;  // each of which few particles fly through
   const double all = estimate_of(plan);
   const double clearing = static_cast<double>(plan.sums * sizeof(Sum)) / 2e9;  // [s], once more or less
@@ -89,6 +95,19 @@ double time_of_flight(const Plan& plan) {
       return longer + std::max(0.0, longer - seconds) * (all - more) / (more - flown);
     flown = more;
     seconds = longer;
+  }
+}
+
+/// At least, where some of the particles take too long.
+double time_of_flight(const Plan& plan) {
+  double flown = 1;
+  try {
+    return time_of_flights(plan, [&](const Plan& sample) {
+      flown = estimate_of(sample);
+      return time_to_fly(sample);
+    });
+  } catch (const CalledOff&) {
+    return std::max(1.0, too_long / flown) * estimate_of(plan);
   }
 }
 

@@ -171,6 +171,8 @@ std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_
              std::nullopt;
   const MapAxis axis{static_cast<int>(places.size()), places.front(),
                      (places.back() - places.front()) / static_cast<double>(places.size() - 1)};
+  if (constexpr double longest = 1e60; !(axis.step >= 1 / longest && axis.step <= longest))
+    return why = fmt::format("the places along {} stand {} apart", name, metres(axis.step)), std::nullopt;
   for (std::size_t i = 1; i < places.size(); ++i)
     if (std::abs(places[i] - axis.begin - axis.step * static_cast<double>(i)) > 1e-6 * axis.step)
       return why = different_steps(places, name), std::nullopt;

@@ -28,6 +28,9 @@ struct MapAxis {
   bool operator==(const MapAxis&) const = default;
 };
 
+/// What no number of a map is beyond, in SI: sums of larger ones may be none.
+inline constexpr double largest_of_map = 1e300;
+
 /// The axis of places that ascend in even steps, to 1e-6 of a step; nothing, and `why`, where they do not.
 std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_view name, std::string& why);
 

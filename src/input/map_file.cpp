@@ -8,6 +8,7 @@
 #include "input/map_rows.hpp"
 #include "input/reader.hpp"
 #include "input/text_file.hpp"
+#include "storage/digest.hpp"
 #include "storage/map_file.hpp"
 
 namespace rabiline {
@@ -57,14 +58,23 @@ void put_planes_at_zero(MapNodes& nodes) {
   }
 }
 
-MapText read_nodes(const fs::path& path) {
+/// Of its numbers, in whichever file and unit they are.
+std::uint64_t digest_of(const MapNodes& nodes) {
+  std::uint64_t all = digest(std::as_bytes(std::span(nodes.field)));
+  for (const MapAxis& axis : nodes.axes) {
+    const double of_axis[] = {static_cast<double>(axis.nodes), axis.begin, axis.step};
+    all = digest(std::as_bytes(std::span(of_axis)), all);
+  }
+  return nodes.electric ? ~all : all;
+}
+
+MapNodes read_nodes(const fs::path& path) {
   if (const auto problem = problem_of(path, true)) throw MapFault(problem->what, problem->help);
   if (path.extension() == ".csv" || path.extension() == ".txt") return read_map_rows(path);
   if (path.extension() != ".h5" && path.extension() != ".hdf5")
     throw MapFault("a map is a CSV file, `.csv`, or an HDF5 file, `.h5`", "rename or convert it");
   try {
-    StoredMap stored = read_map_file(path);
-    return {std::move(stored.nodes), stored.digest};
+    return read_map_file(path);
   } catch (const StorageError& error) {
     std::string_view why = error.what();  // after the file's name, which is told anyway
     if (const std::string name = path.string() + ": "; why.starts_with(name)) why.remove_prefix(name.size());
@@ -88,18 +98,17 @@ std::shared_ptr<const FieldMap> read_map(const Node& node, const Row& row, Readi
   const auto known = file.maps.find(symmetry);
   if (known != file.maps.end()) return known->second;
   try {
-    MapText read = read_nodes(path);
-    require_axes(read.nodes, symmetry);
-    put_planes_at_zero(read.nodes);
+    MapNodes nodes = read_nodes(path);
+    require_axes(nodes, symmetry);
+    put_planes_at_zero(nodes);
     // The file itself is not kept with results: it may be as large as the machine.
     const std::string text =
-        fmt::format("a field map of {} bytes, digest {:016x}\n", fs::file_size(path), read.digest);
+        fmt::format("a field map of {} numbers, digest {:016x}\n", nodes.field.size(), digest_of(nodes));
     if (reading.stored && stored_text(*reading.stored, path.string()) != text)
       throw MapFault("the map is not the one that the experiment was flown with", "");
     file.source = make_source_text(path.string(), text);
     file.text = text;
-    return file.maps[symmetry] =
-               std::make_shared<const FieldMap>(std::move(read.nodes), symmetry, path.string());
+    return file.maps[symmetry] = std::make_shared<const FieldMap>(std::move(nodes), symmetry, path.string());
   } catch (const MapFault& fault) {
     if (!file.source) reading.files.erase(path.string());
     reading.error(node.place, fmt::format("`{}`: {}", path.string(), fault.what()), fault.help);

@@ -102,14 +102,9 @@ struct Rows {
   std::size_t size() const { return lines.size(); }
 };
 
-std::uint64_t mixed(std::uint64_t digest, std::string_view text) {  // FNV-1a
-  for (const char c : text) digest = (digest ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-  return (digest ^ '\n') * 0x100000001b3ULL;
-}
-
 double number_in(std::string_view cell, std::uint32_t line) {
   double value = 0;
-  if (cell.starts_with('+')) cell.remove_prefix(1);
+  if (cell.starts_with('+') && !cell.starts_with("+-")) cell.remove_prefix(1);
   const std::from_chars_result end = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (end.ec != std::errc{} || end.ptr != cell.data() + cell.size())
     throw MapFault(
@@ -122,13 +117,12 @@ double number_in(std::string_view cell, std::uint32_t line) {
   return value;
 }
 
-Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
+Rows rows_of(std::ifstream& file) {
   Rows rows;
   std::vector<Column> columns;
   std::vector<std::size_t> order;
   std::vector<std::string_view> cells;
   std::array<char, 4096> line;
-  digest = 0xcbf29ce484222325ULL;
   for (std::uint32_t number = 1; file.getline(line.data(), line.size()) || file.gcount() > 0; ++number) {
     if (file.fail() && !file.eof())
       throw MapFault(fmt::format("line {} has {} characters or more", number, line.size() - 1),
@@ -137,7 +131,6 @@ Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
     if (whole.find('\0') != whole.npos)
       throw MapFault(fmt::format("line {}: the byte 0x00 is not text", number),
                      "save the map as text, or as HDF5");
-    digest = mixed(digest, whole);
     std::string_view text = trimmed(whole);
     if (number == 1 && text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     if (text.empty() || text.starts_with('#')) continue;
@@ -157,9 +150,14 @@ Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
       throw MapFault(fmt::format("line {}: {} columns stand here, but the first line names {}", number,
                                  cells.size(), columns.size()),
                      "a comma stands between columns, and no row is shorter or longer");
-    for (std::size_t c = 0; c < order.size(); ++c)
-      (c < rows.axes ? rows.places : rows.field)
-          .push_back(number_in(cells[order[c]], number) * columns[order[c]].unit);
+    for (std::size_t c = 0; c < order.size(); ++c) {
+      const double value = number_in(cells[order[c]], number) * columns[order[c]].unit;
+      if (std::abs(value) > largest_of_map)
+        throw MapFault(
+            fmt::format("line {}: `{}` is beyond {:g} in SI", number, cells[order[c]], largest_of_map),
+            "is its unit right?");
+      (c < rows.axes ? rows.places : rows.field).push_back(value);
+    }
     rows.lines.push_back(number);
   }
   if (columns.empty()) throw MapFault("the file has no map", std::string(columns_help));
@@ -188,7 +186,7 @@ MapAxis axis_of(const Rows& rows, std::size_t axis) {
 
 }  // namespace
 
-MapText read_map_rows(const std::filesystem::path& path) {
+MapNodes read_map_rows(const std::filesystem::path& path) {
   std::error_code problem;
   const std::uintmax_t bytes = std::filesystem::file_size(path, problem);
   if (problem) throw MapFault("its size is not known: " + problem.message(), "");
@@ -198,24 +196,24 @@ MapText read_map_rows(const std::filesystem::path& path) {
                     static_cast<double>(bytes) / 0x1p30, most_map_text >> 30),
         "store the map as HDF5, leave out rows that the beam does not need, or use a coarser grid");
   std::ifstream file(path, std::ios::binary);
-  MapText out;
-  const Rows rows = rows_of(file, out.digest);
-  out.nodes.electric = rows.electric;
+  MapNodes out;
+  const Rows rows = rows_of(file);
+  out.electric = rows.electric;
   std::size_t nodes = 1;
   for (std::size_t a = 0; a < rows.axes; ++a) {
-    out.nodes.axes.push_back(axis_of(rows, a));
-    nodes *= static_cast<std::size_t>(out.nodes.axes.back().nodes);
+    out.axes.push_back(axis_of(rows, a));
+    nodes *= static_cast<std::size_t>(out.axes.back().nodes);
     if (nodes > 64 * rows.size() + 64)
       throw MapFault(fmt::format("the places of the {} rows do not stand on a regular grid", rows.size()),
                      "every node of the grid has a row, with its coordinates as they are on the grid");
   }
   // Where each row belongs.
   std::vector<std::uint32_t> line(nodes, 0);
-  out.nodes.field.assign(nodes * rows.axes, 0);
+  out.field.assign(nodes * rows.axes, 0);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::size_t node = 0;
     for (std::size_t a = 0; a < rows.axes; ++a) {
-      const MapAxis& axis = out.nodes.axes[a];
+      const MapAxis& axis = out.axes[a];
       const double at = (rows.places[rows.axes * i + a] - axis.begin) / axis.step;
       node = node * static_cast<std::size_t>(axis.nodes) + static_cast<std::size_t>(std::lround(at));
     }
@@ -224,14 +222,14 @@ MapText read_map_rows(const std::filesystem::path& path) {
                      "every node of the grid has one row");
     line[node] = rows.lines[i];
     std::copy_n(rows.field.begin() + static_cast<std::ptrdiff_t>(rows.axes * i), rows.axes,
-                out.nodes.field.begin() + static_cast<std::ptrdiff_t>(rows.axes * node));
+                out.field.begin() + static_cast<std::ptrdiff_t>(rows.axes * node));
   }
   const auto missing = std::find(line.begin(), line.end(), 0U);
   if (missing == line.end()) return out;
   auto rest = static_cast<std::size_t>(missing - line.begin());
   std::string where;
   for (std::size_t a = rows.axes; a-- > 0;) {
-    const MapAxis& axis = out.nodes.axes[a];
+    const MapAxis& axis = out.axes[a];
     const auto n = static_cast<std::size_t>(axis.nodes);
     where = fmt::format(
         "{}{}{}", pretty_quantity(axis.begin + axis.step * static_cast<double>(rest % n), Dimension::length),

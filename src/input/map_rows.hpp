@@ -17,12 +17,7 @@ struct MapFault : std::runtime_error {
 /// The largest file of text that is read as a map.
 inline constexpr std::uintmax_t most_map_text = std::uintmax_t{2} << 30;
 
-/// The nodes in SI, and a digest of the file's bytes. Throws MapFault. Its size is looked at before anything
-/// is read.
-struct MapText {
-  MapNodes nodes;
-  std::uint64_t digest = 0;
-};
-MapText read_map_rows(const std::filesystem::path&);
+/// The nodes in SI. Throws MapFault. The file's size is looked at before anything is read.
+MapNodes read_map_rows(const std::filesystem::path&);
 
 }  // namespace rabiline

@@ -29,7 +29,7 @@ inline constexpr auto parameters<GuideField> = std::tuple{
     param("length", &GuideField::length, Dimension::length, range::positive, "extent along the beam"),
     param("field", &GuideField::field, Dimension::magnetic_field, range::not_negative, "size of the field"),
     param("from", &GuideField::from, "its direction where it begins"),
-    param("to", &GuideField::to, "its direction where it ends, at most a half turn away"),
+    param("to", &GuideField::to, "its direction where it ends, less than half a turn away"),
     param("bore", &GuideField::bore, "wall around the field; none if omitted"),
     param("offset", &GuideField::offset, "displacement of the bore's centre from the axis", Offset{}),
     param("tilt", &GuideField::tilt, "how the field is turned inside its slab", Tilt{}),

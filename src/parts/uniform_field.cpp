@@ -43,9 +43,10 @@ void contribute(const UniformField& part, const Placement& place, SectionBuilder
 
 std::vector<Fault> faults_of(const UniformField& part, const Placement& place) {
   if (part.gradient != FieldGradient{} && !is_one_way(part.direction))
-    return {{place.name, "gradient",
-             fmt::format("the field of `{}` with a gradient points along or across the beam", place.name),
-             "turn it with `tilt`, gradient and all"}};
+    return {
+        {place.name, "gradient",
+         fmt::format("the field of `{}` has a gradient, and must point along or across the beam", place.name),
+         "turn it with `tilt`, gradient and all"}};
   return faults_of_fringe(part.fringe, part.profile, place);
 }
 

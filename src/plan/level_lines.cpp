@@ -68,6 +68,17 @@ std::vector<Transition> transitions_of_two_photons(const Structure& structure, c
     }
     return sum;
   };
+  // One that a photon takes to another level has no line of its own, nor a shift by that.
+  const auto is_mixed = [&](int i) {
+    const auto mixes = [&](double coupling, double off) {
+      return coupling != 0 && std::abs(off) < 2 * (width + 2 * std::abs(coupling));
+    };
+    for (int k = 0; k < spins.levels(); ++k) {
+      const double apart = states.energy(i) - states.energy(k);
+      if (k != i && (mixes(up(k, i), apart + frequency) || mixes(up(i, k), apart - frequency))) return true;
+    }
+    return false;
+  };
   std::vector<Transition> out;
   for (const CoupledPair& pair : pairs_of_two_photons(states.energy, in_phase, frequency)) {
     const double apart = states.energy(pair.upper) - states.energy(pair.lower), rabi = 2 * pair.coupling,
@@ -80,7 +91,8 @@ std::vector<Transition> transitions_of_two_photons(const Structure& structure, c
       is_by_one =
           is_by_one || (first * last != 0 && std::abs(off) <= 10 * (width + 2 * std::max(first, last)));
     }
-    if (!is_by_one && rabi > 0.01 * width && std::abs(detuning) <= 100 * (width + rabi))
+    if (!is_by_one && !is_mixed(pair.upper) && !is_mixed(pair.lower) && rabi > 0.01 * width &&
+        std::abs(detuning) <= 100 * (width + rabi))
       out.push_back(
           {pair.upper, pair.lower, apart, detuning, rabi, shifted(pair.upper) - shifted(pair.lower), 2});
   }

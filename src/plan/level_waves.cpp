@@ -212,9 +212,25 @@ std::vector<DrivenZone> zones_near_lines(const LevelFields& fields, const Struct
         (zone.turned ? Vector3{zone.frame[6], zone.frame[7], zone.frame[8]} : Vector3{0, 0, 1});
     const std::span shaped(fields.shaped.data() + section.shaped_begin,
                            fields.shaped.data() + section.shaped_end);
+    // Fields of one part that differ in their phase alone, as a formula's cosine and sine do, drive as one.
+    std::vector<int> together(drives.size());
+    const auto part_of = [&](std::size_t number) {
+      const auto own = std::ranges::find(shaped, static_cast<int>(number), &ShapedTerm::drive);
+      return own == shaped.end() ? -1 : own->part;
+    };
+    for (std::size_t number = 0; number < drives.size(); ++number)
+      for (together[number] = 0; together[number] < static_cast<int>(number); ++together[number]) {
+        const auto first = static_cast<std::size_t>(together[number]);
+        DriveTerm in_phase = drives[number];
+        in_phase.phase = drives[first].phase;
+        if (part_of(number) >= 0 && part_of(number) == part_of(first) && in_phase == drives[first]) break;
+      }
     for (int number = 0; number < static_cast<int>(drives.size()); ++number) {
+      if (together[static_cast<std::size_t>(number)] != number) continue;
       const DriveTerm& drive = drives[static_cast<std::size_t>(number)];
-      const auto swings = [&](const ShapedTerm& term) { return term.drive == number; };
+      const auto swings = [&](const ShapedTerm& term) {
+        return term.drive >= 0 && together[static_cast<std::size_t>(term.drive)] == number;
+      };
       const double frequency = std::abs(drive.omega) / two_pi,
                    swept = (drive.omega < 0 ? -1 : 1) * swept_in_all(drive) / two_pi;
       const auto [first, second] = quadratures(drive);
@@ -225,13 +241,21 @@ std::vector<DrivenZone> zones_near_lines(const LevelFields& fields, const Struct
       for (int i = 0; i < (shaped.empty() ? 1 : places_of_frame); ++i) {
         const double y = place_in(zone.begin, zone.end, i);
         const Vector3 b = static_field(uniform, shaped, {}, y, y / speed).here;
-        FieldHere<double> peak{};
-        for (const ShapedTerm& term : shaped)
-          if (swings(term)) add_field<HostMaths>(term, 0.0, y, 0.0, peak);
+        Vector3 with_cosine = full * first, with_sine = full * second;
+        for (const ShapedTerm& term : shaped) {
+          if (!swings(term)) continue;
+          FieldHere<double> peak{};
+          add_field<HostMaths>(term, 0.0, y, 0.0, peak);
+          const Vector3 field{peak.field[0], peak.field[1], peak.field[2]};
+          const double ahead = drives[static_cast<std::size_t>(term.drive)].phase - drive.phase;
+          with_cosine = with_cosine + portable::cos(ahead) * field;
+          with_sine = with_sine - portable::sin(ahead) * field;
+        }
         const double size = length_of(b);
-        const DriveParts parts =
-            parts_about(size > 0 ? (1 / size) * b : Vector3{0, 0, 1},
-                        full * first + Vector3{peak.field[0], peak.field[1], peak.field[2]}, full * second);
+        DriveParts parts = parts_about(size > 0 ? (1 / size) * b : Vector3{0, 0, 1}, with_cosine, with_sine);
+        for (double* part :
+             {&parts.left, &parts.right, &parts.along})  // a quarter of a turn is not one to the bit
+          if (std::abs(*part) < 1e-12 * parts.size()) *part = 0;
         const auto [distance, there] = nearest_line(spins, size, parts, frequency, swept);
         const bool as_near = best && distance == nearest;
         if (best && !(distance < nearest || (as_near && parts.size() > best->parts.size()))) continue;

@@ -290,7 +290,7 @@ std::string report_of_fields(const Beamline& beamline) {
         is_electric(part.part) ? Dimension::electric_field : Dimension::magnetic_field;
     out += fmt::format("  {}: {}, {} to {}, up to {} on the axis", part.placement.name, kind_of(part.part),
                        metres(field->begin), metres(field->end), pretty_quantity(field->largest, dimension));
-    if (!has_hard_edges(part.part))
+    if (!has_hard_edges(part.part) && (field->begins() || field->ends(end)))
       out += fmt::format(", {} where it ends", pretty_quantity(field->step(end), dimension));
     out += '\n';
     if (const auto* wire = std::get_if<StraightWire>(&part.part); wire != nullptr && wire->wire_length)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/call_off.hpp"
 #include "core/portable_math.hpp"
 #include "field/fringe_limit.hpp"
 #include "field/host_maths.hpp"
@@ -115,7 +116,9 @@ void look_inside(const Stage& stage, const RandomKey& key, const Batch& batch, s
   }
 }
 
-void fly(const PlanTree& tree, std::vector<Fringed>& fields) {
+/// As far as they come in a second.
+void fly(const PlanTree& tree, std::vector<Fringed>& fields) try {
+  const Heeding heeding(call_after(1));
   Batch batch;
   BatchView& view = batch.view();
   view.count = static_cast<int>(std::min<std::uint64_t>(particles, tree.last - tree.first));
@@ -134,6 +137,7 @@ void fly(const PlanTree& tree, std::vector<Fringed>& fields) {
     StageContext context{best_isa(), tree.source.key, batch, sums.data()};
     advance(stage, context);
   }
+} catch (const CalledOff&) {  // what has been seen counts
 }
 
 Fault warning_of(const Fringed& field, const Placement& part) {

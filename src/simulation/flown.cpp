@@ -7,8 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include "core/call_off.hpp"
-
 namespace rabiline {
 namespace {
 
@@ -37,10 +35,10 @@ std::vector<Plain> unpack(std::string_view& from) {
 
 }  // namespace
 
-void ThreadSums::fly(TreeRunner& runner, const Plan& plan, const ParticleRange& range,
-                     const std::atomic<bool>* stop, bool slowly) {
+void ThreadSums::fly(TreeRunner& runner, const Plan& plan, const ParticleRange& range, const Call& stop,
+                     bool slowly) {
   std::unique_lock guard(lock);
-  const Heeding heeding(slowly || finished.list().empty() ? stop : nullptr);
+  const Heeding heeding(slowly || finished.list().empty() ? stop : Call{});
   if (slowly) {
     guard.unlock();
     Sums apart(plan.sums);

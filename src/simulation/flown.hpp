@@ -1,9 +1,9 @@
 #pragma once
 // What has flown, by threads and in all.
-#include <atomic>
 #include <mutex>
 #include <vector>
 
+#include "core/call_off.hpp"
 #include "plan/plan.hpp"
 #include "simulation/ranks.hpp"
 #include "simulation/snapshot.hpp"
@@ -24,7 +24,7 @@ struct ThreadSums {
   /// Particles of a tree of the plan. CalledOff where a stop is asked for while slow ones are on their way,
   /// which fly apart from the sums, so that neither a stop nor a snapshot waits for them; the first ones of
   /// all may be as slow as they like and tear nothing.
-  void fly(TreeRunner&, const Plan&, const ParticleRange&, const std::atomic<bool>* stop, bool slowly);
+  void fly(TreeRunner&, const Plan&, const ParticleRange&, const Call& stop, bool slowly);
 };
 
 /// What has flown in all. Of several ranks the leader has it; the others only hand over what is theirs.

@@ -13,7 +13,6 @@
 
 #include <fmt/format.h>
 
-#include "core/call_off.hpp"
 #include "core/thread_stacks.hpp"
 #include "simulation/clock.hpp"
 #include "simulation/dealer.hpp"
@@ -153,7 +152,7 @@ class Runner {
     throw RankFailure("another rank failed");
   }
 
-  bool stop_was_asked() const { return options_.stop != nullptr && *options_.stop; }
+  bool stop_was_asked() const { return call_.is_made(); }
   bool snapshot_is_due() const {
     return options_.snapshot && ranks_.leads() && news_ && seconds_since(start_) >= next_snapshot_;
   }
@@ -263,7 +262,7 @@ class Runner {
         if (particles == 0) break;
         const Clock::time_point begin = Clock::now();
         const double cost = plan_.trees[range.tree].cost * static_cast<double>(particles);
-        share.fly(runner, plan_, range, options_.stop, pace.seconds(cost) > 0.25);
+        share.fly(runner, plan_, range, call_, pace.seconds(cost) > 0.25);
         pace.took(cost, seconds_since(begin));
         const std::lock_guard guard(deal_lock_);
         held_ -= particles;
@@ -327,6 +326,7 @@ class Runner {
 
   const Plan& plan_;
   const RunOptions& options_;
+  const Call call_{options_.stop, options_.latest};
   Alone alone_;
   Ranks& ranks_;
   const ParticleRow row_;

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/call_off.hpp"
 #include "plan/plan.hpp"
 #include "simulation/ranks.hpp"
 #include "simulation/snapshot.hpp"
@@ -17,7 +18,8 @@ struct RunOptions {
   Isa isa = Isa::baseline;
   int batch = Batch::capacity;  // particles that go through the loops together; a multiple of 8
   double grain = 0.025;         // [s] of work that a thread takes at once, but never less than 8 particles
-  const std::atomic<bool>* stop = nullptr;        // looked at between them
+  const std::atomic<bool>* stop = nullptr;  // asks it to end, as does
+  Call::Clock::time_point latest = Call::Clock::time_point::max();
   std::function<void(const Progress&)> progress;  // by the calling thread, a few times a second
   std::function<void(Snapshot)> snapshot;         // likewise, every snapshot_seconds and at the end
   double snapshot_seconds = 60;

@@ -5,7 +5,6 @@
 
 #include "core/machine_memory.hpp"
 #include "core/units.hpp"
-#include "storage/digest.hpp"
 #include "storage/hdf5_reader.hpp"
 
 namespace rabiline {
@@ -20,7 +19,7 @@ class MapReader {
   explicit MapReader(const std::filesystem::path& path)
       : file_(path, hdf5::Writer::anybody), path_(path.string()) {}
 
-  StoredMap read() {
+  MapNodes read() {
     const bool is_round = file_.contains("r");
     const std::vector<std::string> axes =
         is_round ? std::vector<std::string>{"r", "z"} : std::vector<std::string>{"x", "y", "z"};
@@ -31,7 +30,7 @@ class MapReader {
       std::string why;
       const std::optional<MapAxis> axis = even_axis(places, name, why);
       if (!axis) throw StorageError(fmt::format("{}: /{}: {}", path_, name, why));
-      out_.nodes.axes.push_back(*axis);
+      out_.axes.push_back(*axis);
       sizes.push_back(places.size());
       nodes *= places.size();  // at most 1e15
     }
@@ -46,13 +45,13 @@ class MapReader {
           "{}: the map has {:.2g} nodes, which need {:.3g} GiB, and there are {:.3g} GiB of memory", path_,
           static_cast<double>(nodes), needed / 0x1p30, memory_there() / 0x1p30));
     const std::size_t m = axes.size();
-    out_.nodes.electric = file_.contains("E" + axes[0]);
+    out_.electric = file_.contains("E" + axes[0]);
     for (std::size_t c = 0; c < m; ++c) {
-      const std::string name = (out_.nodes.electric ? "E" : "B") + axes[c];
-      const std::vector<double> component = numbers(
-          name, out_.nodes.electric ? Dimension::electric_field : Dimension::magnetic_field, sizes, nodes);
-      if (c == 0) out_.nodes.field.resize(nodes * m);
-      for (std::size_t i = 0; i < nodes; ++i) out_.nodes.field[i * m + c] = component[i];
+      const std::string name = (out_.electric ? "E" : "B") + axes[c];
+      const std::vector<double> component =
+          numbers(name, out_.electric ? Dimension::electric_field : Dimension::magnetic_field, sizes, nodes);
+      if (c == 0) out_.field.resize(nodes * m);
+      for (std::size_t i = 0; i < nodes; ++i) out_.field[i * m + c] = component[i];
     }
     return std::move(out_);
   }
@@ -73,10 +72,10 @@ class MapReader {
       values[i] *= one.value;
       if (!std::isfinite(values[i]))
         throw StorageError(fmt::format("{}: /{}[{}] is not finite", path_, name, place_of(i, sizes)));
+      if (std::abs(values[i]) > largest_of_map)
+        throw StorageError(
+            fmt::format("{}: /{}[{}] is beyond {:g} in SI", path_, name, place_of(i, sizes), largest_of_map));
     }
-    const auto before =
-        digest(std::as_bytes(std::span(name)), out_.digest == 0 ? digest_of_nothing : out_.digest);
-    out_.digest = digest(std::as_bytes(std::span(values)), before);  // in SI, whatever the unit
     return values;
   }
   /// "3, 0, 14", as h5py counts them; of a single axis the number itself.
@@ -91,11 +90,11 @@ class MapReader {
 
   hdf5::FileReader file_;
   std::string path_;
-  StoredMap out_;
+  MapNodes out_;
 };
 
 }  // namespace
 
-StoredMap read_map_file(const std::filesystem::path& path) { return MapReader(path).read(); }
+MapNodes read_map_file(const std::filesystem::path& path) { return MapReader(path).read(); }
 
 }  // namespace rabiline

@@ -97,6 +97,28 @@ void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, Pl
   }
 }
 
+/// [rad/s] About all that stands still, on average: the static field, and those that only turn along the
+/// beam.
+double precession_of(const SpinZone& zone) {
+  constexpr int places = 64;
+  double mean = 0;
+  for (int i = 0; i < places; ++i) {
+    const double y = zone.begin + (zone.end - zone.begin) * (i + 0.5) / places;
+    double rate[3];
+    for (int k = 0; k < 3; ++k) rate[k] = zone.spin_rate * zone.frame[6 + k];
+    for (int d = 0; d < zone.drives; ++d) {
+      const DriveTerm& drive = zone.drive[d];
+      if (drive.omega != 0) continue;
+      const double angle = drive.phase + drive.twist * y;
+      for (int k = 0; k < 3; ++k)
+        rate[k] += drive.spin_rate *
+                   (portable::cos(angle) * drive.first[k] + portable::sin(angle) * drive.second[k]);
+    }
+    mean += portable::hypot(rate[0], rate[1], rate[2]) / places;
+  }
+  return mean;
+}
+
 /// What the rotating-wave approximation leaves out: the other half of the field shifts the resonance by
 /// f0 (w1/w0)^2/4 (Bloch and Siegert 1940).
 void explain_neglected(const SpinZone& zone, PlanReport& report) {
@@ -123,10 +145,10 @@ void explain_neglected(const SpinZone& zone, PlanReport& report) {
 
 void explain_zone(const SpinZone& zone, PlanReport& report) {
   const double stay = report.flight.time(zone.begin, zone.end);
+  const double precession = precession_of(zone);
   const double* axis = zone.frame + 6;
   report.line("{:>12}{:.4f} to {:.4f} m, {}: Larmor {}, {:.4g} turns{}", "", zone.begin, zone.end,
-              pretty_quantity(stay, Dimension::time), hertz(zone.spin_rate),
-              std::abs(zone.spin_rate) * stay / two_pi,
+              pretty_quantity(stay, Dimension::time), hertz(precession), precession * stay / two_pi,
               zone.turned && zone.spin_rate != 0
                   ? fmt::format(" about ({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2])
                   : "");

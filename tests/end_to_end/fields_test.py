@@ -179,6 +179,14 @@ def spoil_number(file: h5py.File) -> None:
     file["Bz"][1, 2, 3] = np.nan
 
 
+def spoil_largest(file: h5py.File) -> None:
+    file["Bz"][1, 2, 3] = 1.7e308
+
+
+def spoil_steps(file: h5py.File) -> None:
+    file["x"][...] = np.linspace(-1e200, 1e200, file["x"].size)
+
+
 def spoil_shape(file: h5py.File) -> None:
     data = file["Bz"][:-1]
     del file["Bz"]
@@ -194,7 +202,7 @@ def spoil_type(file: h5py.File) -> None:
 @pytest.mark.parametrize("spoil, said", [
     (spoil_link, "/Bx: refused (it is a link to somewhere else)"), (spoil_virtual, "/Bx: refused (it is a virtual dataset)"),
     (spoil_size, "/Bx: refused (it claims more than it stores)"), (spoil_limit, "the map has 1e+09 nodes, which need 59.6 GiB"), (spoil_axis, "the places along y do not ascend"),
-    (spoil_unit, "`mm` is not a unit of a magnetic field"), (spoil_number, "/Bz[1, 2, 3] is not finite"),
+    (spoil_unit, "`mm` is not a unit of a magnetic field"), (spoil_number, "/Bz[1, 2, 3] is not finite"), (spoil_largest, "/Bz[1, 2, 3] is beyond 1e+300 in SI"), (spoil_steps, "the places along x stand"),
     (spoil_shape, "/Bz: refused (it has 8 numbers where its axis has 9)"), (spoil_type, "/Bz: refused (it does not hold real numbers)"),
     (lambda file: file.pop("Bz"), "there is no dataset /Bz"), (lambda file: file["x"].attrs.pop("units"), "/x, attribute units")])
 def test_a_map_that_lies_is_refused_before_it_is_read(maps: Path, tmp_path: Path, spoil, said: str) -> None:

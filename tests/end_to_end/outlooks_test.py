@@ -124,3 +124,51 @@ def test_what_swings_is_told_at_its_largest(tmp_path: Path) -> None:
                      "  - {name: D, kind: detector, at: 0.6 m, width: 4 cm, height: 4 cm, bins: [1, 1]}")).stdout
         largest = re.search(r"up to (\S+) uT on the axis", told)
         assert "up to 1 mT on the axis" in told or float(largest[1]) > 999, told
+
+
+@pytest.mark.parametrize("drives", [0, 1])
+def test_precession_about_a_field_that_turns_is_told_by_its_size(tmp_path: Path, drives: int) -> None:
+    told = check(tmp_path, NEUTRONS % (900, "z", "  - {name: W, kind: guide_field, at: 0.1 m, length: 0.5 m, field: 1 mT, from: z, to: [0.02, 0, -1]}\n" + drives *
+                 "  - {name: R, kind: oscillating_field, at: 0.3 m, length: 0.1 m, amplitude: 10 uT, frequency: 30 kHz, approximation: none, direction: y, phase: locked}\n" +
+                 "  - {name: D, kind: detector, at: 0.8 m, width: 60 mm, height: 60 mm, bins: [1, 1]}")).stdout
+    rates = re.findall(r"Larmor (\S+ \S+),", told)
+    assert rates and set(rates) == {"29.16 kHz"}, told
+
+
+def test_the_precession_in_a_pair_of_coils_that_swings_is_that_of_both_together(tmp_path: Path) -> None:
+    rabiline = pytest.importorskip("rabiline", reason="without the Python package")
+    swings = ", oscillates: {frequency: 29 kHz, phase: 50 deg}"
+    text = NEUTRONS % (900, "z", "  - {name: G, kind: uniform_field, at: 0.1 m, length: 0.5 m, field: 0.9 mT}\n"
+                       f"  - {{name: L, kind: coil_pair, at: 0.35 m, radius: 60 mm, field: 30 uT, direction: x, reach: 0.12 m{swings}}}\n"
+                       "  - {name: D, kind: detector, at: 0.8 m, width: 60 mm, height: 60 mm, bins: [1, 1]}")
+    turned = float(re.search(r"oscillates at 29 kHz, (\S+) deg", check(tmp_path, text).stdout)[1])
+    places = [(0.0, 0.23 + 0.24 * (i + 0.5) / 400, 0.0) for i in range(400)]
+    steady = rabiline.load(text.replace(swings, "")).field(places)["L"]
+    assert turned == pytest.approx(360 * 29.1646935e6 * (steady**2).sum(axis=1).__pow__(0.5).mean() * 0.24 / 900, rel=1e-3)
+
+
+@pytest.mark.parametrize(("sense", "plus", "minus"), [("", 0.3, 0.0), ("-", 0.0, 0.3)])
+def test_cosine_and_sine_of_one_formula_drive_levels_together(tmp_path: Path, sense: str, plus: float, minus: float) -> None:
+    told = check(tmp_path, f"""rabiline: 1
+species: Rb-87 atom
+law: quantum
+source: {{speed: {{kind: single, value: 900 m/s}}, opening: {{radius: 1 nm}}, direction: parallel, spin: {{kind: levels, levels: [F=2 m=+2]}}}}
+parts:
+  - {{name: G, kind: uniform_field, at: 0.1 m, length: 0.5 m, field: 60 uT}}
+  - {{name: Fo, kind: formula_field, at: 0.3 m, formula: {{Bx: 'A*cos(2*pi*f*t)', By: '{sense}A*sin(2*pi*f*t)', constants: {{A: 0.3 uT, f: 419.7 kHz}}, width: 8 mm,
+     height: 8 mm, length: 0.1 m, step: 2 mm, frequency: 419.7 kHz, phase: locked}}}}
+  - {{name: D, kind: detector, at: 0.8 m, width: 60 mm, height: 60 mm, bins: [1, 1]}}
+particles: 10
+seed: 9
+""").stdout
+    _, up, down = parts(told)
+    assert (up, down) == pytest.approx((plus, minus), abs=1e-3), told
+    assert ("Rabi frequency 4.197 kHz" in told) == (plus > 0) and "as Fo does" not in told
+
+
+@pytest.mark.parametrize("field", ["tan(pi/2)", "1e20"])
+def test_what_would_fly_for_ever_has_a_cost_all_the_same(tmp_path: Path, field: str) -> None:
+    """Far more turns than the field on the axis of the first of them lets one reckon: some fly for two seconds at most."""
+    done = check(tmp_path, NEUTRONS % (50, "z", f"  - {{name: Q, kind: formula_field, at: 0.2 m, formula: {{Bz: '{field}', width: 1 cm, height: 1 cm, length: 10 cm, "
+                                                "step: 2 mm}}\n  - {name: D, kind: detector, at: 1.2 m, width: 40 mm, height: 40 mm, bins: [1, 1]}"))
+    assert done.returncode == 0 and float(re.search(r"cost +about (\S+) s", done.stdout)[1]) > 10, done.stderr

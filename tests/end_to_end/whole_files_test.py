@@ -163,6 +163,23 @@ def test_a_map_in_another_unit_is_another_map(tmp_path: Path) -> None:
     assert other.returncode != DONE and "the map is not the one" in other.stderr, other.stderr
 
 
+def test_a_map_whose_numbers_are_the_same_is_the_same_map(tmp_path: Path) -> None:
+    experiment, output = mapped(tmp_path), tmp_path / "out.h5"
+    with h5py.File(tmp_path / "map.h5") as file:
+        x, y, z = (file[name][()] for name in "xyz")
+        rows = [f"{x[i]},{y[j]},{z[k]},{','.join(repr(float(file[name][i, j, k])) for name in ('Bx', 'By', 'Bz'))}"
+                for i in range(x.size) for j in range(y.size) for k in range(z.size)]
+        head = ",".join(f"{name} [{file[name].attrs['units']}]" for name in ("x", "y", "z", "Bx", "By", "Bz"))
+    experiment.write_text(experiment.read_text().replace("map.h5", "map.csv"))
+    (tmp_path / "map.csv").write_text("\n".join([head, *rows]) + "\n")
+    assert rabiline("run", experiment, "-o", output, cwd=tmp_path).returncode == DONE
+    for text in ("# measured\n" + "\n".join([head, *reversed(rows)]), "\r\n".join([head, *rows])):
+        (tmp_path / "map.csv").write_bytes(text.encode())
+        assert rabiline("reproduce", output, cwd=tmp_path).returncode == DONE
+    (tmp_path / "map.csv").write_text("\n".join([head, rows[0] + "1", *rows[1:]]))
+    assert "the map is not the one" in rabiline("reproduce", output, cwd=tmp_path).stderr
+
+
 def test_a_damaged_map_is_refused_or_flown_and_ends_no_program(tmp_path: Path) -> None:
     experiment, draw, refused = mapped(tmp_path), random.Random(1950), 0
     whole = (tmp_path / "map.h5").read_bytes()

@@ -116,35 +116,36 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
   }
 }
 
-/// The field of one term at the time t, or its share of the mean peak of one that swings.
-void add_on_axis(const TurningRegion& region, const ShapedTerm& term, double y, double t,
-                 FieldHere<double>& here, double share, SpinZone& zone) {
-  if (term.drive < 0) return add_field_at<HostMaths>(term, 0.0, y, 0.0, t, here);
-  FieldHere<double> peak{};
-  add_field<HostMaths>(term, 0.0, y, 0.0, peak);
-  zone.drive[term.drive].spin_rate +=
-      share * region.feels.spin_per_tesla * portable::hypot(peak.field[0], peak.field[1], peak.field[2]);
-}
-
-/// The fields of a zone as a particle of that speed meets them on the axis, on average: along what drives
-/// turn about, else along themselves.
+/// The fields of a zone as a particle of that speed meets them on the axis, on average, and the side of what
+/// drives turn about that the static one is on.
 SpinZone on_axis(const TurningRegion& region, const RegionZone& zone, double speed) {
   constexpr int places = 64;
   SpinZone out = zone.field;
   if (zone.shaped_begin == zone.shaped_end) return out;
+  const double share = region.feels.spin_per_tesla / places;
+  const auto length_of = [](const FieldHere<double>& f) {
+    return portable::hypot(f.field[0], f.field[1], f.field[2]);
+  };
   double along = 0, size = 0;
   for (int i = 0; i < places; ++i) {
     const double y = out.begin + (out.end - out.begin) * (i + 0.5) / places;
-    FieldHere<double> here{};
+    FieldHere<double> here{}, peaks[most_drives]{};
     for (int k = 0; k < 3; ++k) here.field[k] = zone.uniform[k];
-    for (int k = zone.shaped_begin; k < zone.shaped_end; ++k)
-      add_on_axis(region, region.shaped[static_cast<std::size_t>(k)], y, y / speed, here, 1.0 / places, out);
-    const double* b = here.field;
-    along += (b[0] * out.frame[6] + b[1] * out.frame[7] + b[2] * out.frame[8]) / places;
-    size += portable::hypot(b[0], b[1], b[2]) / places;
+    for (int k = zone.shaped_begin; k < zone.shaped_end; ++k) {
+      const ShapedTerm& term = region.shaped[static_cast<std::size_t>(k)];
+      if (term.drive < 0)
+        add_field_at<HostMaths>(term, 0.0, y, 0.0, y / speed, here);
+      else
+        add_field<HostMaths>(term, 0.0, y, 0.0, peaks[term.drive]);
+    }
+    for (int k = 0; k < out.drives; ++k) out.drive[k].spin_rate += share * length_of(peaks[k]);
+    along +=
+        share * (here.field[0] * out.frame[6] + here.field[1] * out.frame[7] + here.field[2] * out.frame[8]);
+    size += share * length_of(here);
   }
-  out.spin_rate = region.feels.spin_per_tesla * (out.drives > 0 ? along : size);
-  out.turned = out.turned && out.drives > 0;
+  const bool is_along = std::abs(along) > 0.99 * std::abs(size);
+  out.spin_rate = out.drives > 0 && along * size < 0 ? -size : size;
+  out.turned = out.turned && out.drives > 0 && is_along;
   return out;
 }
 

@@ -22,7 +22,7 @@ class ThreadSumsTest : public ::testing::Test {
   ParticleRange half(std::uint64_t number) const { return {64 * number, 0, 64 * number, 64 * number + 64}; }
   void fly(ThreadSums& sums, std::uint64_t number, bool slowly) {
     TreeRunner runner(best_isa(), Batch::capacity);
-    sums.fly(runner, plan, half(number), &stop, slowly);
+    sums.fly(runner, plan, half(number), {&stop}, slowly);
   }
 
   const Plan plan;
