@@ -105,7 +105,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
     if not options.output:
         return None
     from .line_plots import draw_line
-    return draw_line(x, y, deviations, fitted, name, unit, options.title or title, words, each)
+    return draw_line(x, y, deviations, fitted, name, unit, options.title or title, words, each, written)
 
 
 def _normal(slowness: np.ndarray, weights: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:

@@ -18,9 +18,9 @@ PLACES = 1000  # of the form, at least
 
 
 def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit, name: str, unit: str, title: str,
-              words: Sequence[str], label: str) -> Figure:
-    """The points with their errors, the form, and above it its numbers; `label` says what the points are."""
-    scale = fitting_scale(x, unit)
+              words: Sequence[str], label: str, written: tuple[str, float] | None = None) -> Figure:
+    """The points with their errors, the form, and above it its numbers; `label` says what the points are, `written` in which unit the axis is."""
+    scale = fitting_scale(x, unit, written)
     order = np.argsort(x)
     at = np.asarray(scale.apply(x[order]))
     in_ratios = is_logarithmic(np.unique(x))

@@ -131,7 +131,8 @@ def upright(figure: Figure, text: str, foot: float = 0.0) -> str:
         plt.close(figure)
         raise InputError(f"--size: {width:.0f}x{now:.0f} leaves no room for curves between the letters; make it "
                          f"{25.4 * (longest / 0.95 - height) + 1:.0f} mm higher")
-    return in_lines(text, 0.95 * height, letter)
+    lines = in_lines(text, 0.95 * height, letter)
+    return lines if lines.count("\n") < 3 else in_lines(text.partition("\n(")[0], 0.95 * height, letter)  # without what is said of errors
 
 
 def columns_of(labels: Sequence[str], room: int, most: int = 4) -> int:

@@ -75,8 +75,7 @@ std::vector<std::string> names_of_levels(const CoupledSpins& spins) {
 std::vector<std::string> names_of_levels(int levels) {
   std::vector<std::string> names;
   for (int twice_m = levels - 1; twice_m > -levels; twice_m -= 2)
-    names.push_back(std::string(twice_m > 0 ? "m = +" : "m = ") +
-                    (twice_m == 0 ? "+0" : write_half(twice_m)));
+    names.push_back((twice_m > 0 ? "m = +" : "m = ") + write_half(twice_m));
   return names;
 }
 

@@ -24,7 +24,9 @@ void explain_electric(const TurningRegion& region, const RegionZone& zone, PlanR
   const Vector3 motional =
       (-speed / (constants::speed_of_light * constants::speed_of_light)) * cross({0, 1, 0}, e);
   const ElectricCoupling& feels = region.feels.electric;
-  const auto volts = [](double x) { return pretty_quantity(x, Dimension::electric_field); };
+  const auto volts = [&](double x) {  // what rounding leaves of a component is none
+    return pretty_quantity(std::abs(x) < 1e-12 * length_of(e) ? 0 : x, Dimension::electric_field);
+  };
   report.line(
       "{:>16}E = ({}, {}, {}), its mean on the axis: in flight a spin meets v x E/c^2 = {} of it as a "
       "magnetic field, and its phase changes by up to {:.4g} deg{}",

@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.apparatus import draw_apparatus  # noqa: E402
+from rabiline.stated import what_differs  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +70,21 @@ def test_a_result_of_a_beam_has_no_picture_of_paths_motions_or_fields(ramsey: ra
     for kind in ("tracks", "motion", "field"):
         with pytest.raises(rabiline.InputError, match=f"no picture `{kind}` of this"):
             result.plot(kind=kind)
+
+
+def test_a_size_with_no_room_for_two_numbers_beside_a_panel_is_refused(tmp_path: Path) -> None:
+    clock = rabiline.load(Path(__file__).parents[2] / "beamline" / "caesium-clock.yaml").scan()
+    with pytest.raises(rabiline.InputError, match="60x45 leaves no room"):
+        clock.draw(tmp_path / "a.png", paths=2, size="60x45")
+    clock.draw(tmp_path / "a.png", paths=2, size="86x60")
+
+
+def test_species_are_told_apart_by_their_names_alone() -> None:
+    rows = [{"law": "quantum", "species": name, "species.name": name} for name in ("K-39 atom", "Na-23 atom")]
+    assert what_differs(rows) == ("", ["K-39 atom", "Na-23 atom"])
+
+
+@pytest.mark.parametrize(("names", "values"), [(None, "9 mT:10 mT:3"), (None, ["9 mT"]), ("B.field", {"from": 1})])
+def test_a_scan_without_its_parameter_or_list_is_none(ramsey: rabiline.Experiment, names: str | None, values: object) -> None:
+    with pytest.raises(TypeError):
+        ramsey.scan(names, values)

@@ -279,7 +279,7 @@ TEST(Finish, LabelsTheLevelsOfEverySpinAndEverySpeciesOfAMixture) {
   one.species[0].species.spin = {2};
   vector.law = ClassicalLaw{};
   EXPECT_EQ(run_points({one}).detectors[0].level_labels,
-            (std::vector<std::string>{"m = +1", "m = +0", "m = -1"}));
+            (std::vector<std::string>{"m = +1", "m = 0", "m = -1"}));
   const DetectorResult both = run_points({b, vector}).detectors[0];
   ASSERT_EQ(both.level_labels,
             (std::vector<std::string>{"m = +1/2", "m = -1/2", "(1 + S_z)/2", "(1 - S_z)/2"}));
