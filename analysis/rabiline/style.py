@@ -334,8 +334,7 @@ PLAIN = 5e-5, 2e5  # a logarithmic axis between these has its numbers written ou
 LONGEST = 300  # letters of a title
 LETTER, LINE = 0.58, 1.25  # width and height of a letter over its size
 BELOW = 0.045  # inches per point of size: numbers and name of an axis below a panel
-NARROW, SMALLER = 5.0, 0.8  # inches of a figure whose letters are smaller, and by how much
-SLENDER = 2.4  # inches
+NARROW, SMALLER, SLENDER = 5.0, 0.8, 2.4  # inches of a figure whose letters are smaller, by how much, and inches of a slender one
 MOST_NUMBERS = 0.25  # of a figure's height
 LEAST, NEARLY = 0.6, 0.99  # times the usual size of letters; and times that, which is the same but for rounding
 _asked: tuple[float, float] | None = None
@@ -373,9 +372,10 @@ def require_name(path: Path | str) -> None:
 
 
 def is_crowded(figure: Figure) -> bool:
-    """Whether a panel is too low for two numbers beside it."""
-    return any(axes.get_window_extent().height < 2.2 * label.get_window_extent().height for axes in figure.axes if axes.yaxis.get_visible()
-               for label in axes.get_yticklabels()[:1] if label.get_text() and label.get_visible())
+    """Whether a panel of a small picture is too low for two numbers beside it; one that is drawn to scale may be."""
+    return min(figure.get_figwidth() / NARROW, figure.get_figheight() / SLENDER) < 1 and any(
+        axes.get_window_extent().height < 2.2 * label.get_window_extent().height for axes in figure.axes if axes.get_aspect() == "auto"
+        for label in axes.get_yticklabels()[:1] if label.get_text() and label.get_visible() and axes.yaxis.get_visible())
 
 
 def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include <fcntl.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -69,10 +70,14 @@ void start_package(const std::vector<std::string>& arguments) {
   const std::string path =
       package_folder().string() + (before != nullptr && *before != '\0' ? fmt::format(":{}", before) : "");
   setenv("PYTHONPATH", path.c_str(), 1);
-  for (const char* of_another : {"PYTHONHOME", "PYTHONIOENCODING"}) unsetenv(of_another);
+  // What would keep this Python from starting.
+  unsetenv("PYTHONHOME");
+  if (const char* const encoding = std::getenv("PYTHONIOENCODING");
+      encoding != nullptr && strncasecmp(encoding, "utf", 3) != 0)
+    unsetenv("PYTHONIOENCODING");
   struct stat input {};
-  if (fstat(STDIN_FILENO, &input) == 0 && S_ISDIR(input.st_mode))  // which Python does not start with
-    dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
+  if (fstat(STDIN_FILENO, &input) == 0 && S_ISDIR(input.st_mode))
+    dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   setenv("PYTHONSAFEPATH", "1", 1);  // else a `csv.py` in the current folder would be run for Python's own
   std::vector<std::string> words{RABILINE_PYTHON, "-m", "rabiline"};
   words.insert(words.end(), arguments.begin(), arguments.end());

@@ -143,9 +143,8 @@ SpinZone on_axis(const TurningRegion& region, const RegionZone& zone, double spe
         share * (here.field[0] * out.frame[6] + here.field[1] * out.frame[7] + here.field[2] * out.frame[8]);
     size += share * length_of(here);
   }
-  const bool is_along = std::abs(along) > 0.99 * std::abs(size);
   out.spin_rate = out.drives > 0 && along * size < 0 ? -size : size;
-  out.turned = out.turned && out.drives > 0 && is_along;
+  out.turned = out.turned && out.drives > 0 && std::abs(along) > 0.99 * std::abs(size);
   return out;
 }
 
