@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Iterable
 
 from .errors import InputError
 
-MOST_THREADS, MOST_TRACKS = 1024, 10000
+MOST_THREADS, MOST_TRACKS, LONGEST_PATH = 1024, 10000, 4096  # bytes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -42,7 +42,12 @@ def path(name: str, value: object) -> str | os.PathLike[str]:
         raise InputError(f"`{name}` is the path of a file, and is empty")
     if "\0" in os.fspath(value):
         raise InputError(f"`{name}` is the path of a file, and has a zero byte in it")
-    return value
+    try:
+        if len(os.fsencode(value)) < LONGEST_PATH:
+            return value
+    except UnicodeEncodeError:
+        raise InputError(f"`{name}` is the path of a file, and has half of a character in it") from None
+    raise InputError(f"`{name}` is the path of a file, and longer than any: {os.fspath(value)[:60]}...")
 
 
 def plain(value: object) -> object:
@@ -111,7 +116,7 @@ def _numbers(name: str, value: object, shape: tuple[int | None, ...], wanted: st
     import numpy as np
     try:
         found = np.empty(()) if np.iscomplexobj(value) else np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         found = np.empty(())
     if found.ndim != len(shape) or any(size not in (None, own) for size, own in zip(shape, found.shape)):
         raise TypeError(f"`{name}` is {wanted}")

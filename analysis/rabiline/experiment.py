@@ -225,6 +225,7 @@ class Experiment:
 
     def _known(self, name: str) -> tuple[float, str] | None:
         """A number and its unit in SI; None where it is none."""
+        asked.text("the name of a number", name)
         return self._variable(name.removeprefix("variables.")) if name.startswith("variables.") else self._setup.value(name)
 
     def _variable(self, name: str) -> tuple[float, str] | None:

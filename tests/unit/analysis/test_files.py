@@ -149,8 +149,8 @@ def test_names_are_listed_and_results_are_short(result: Path) -> None:
     assert repr(rabiline.open(result)) == "<result of The experiment suggested to test the theory>"
 
 
-def test_a_path_is_no_empty_text_and_has_no_zero_byte(result: Path) -> None:
-    for name, reason in (("", "is empty"), ("a\0b", "has a zero byte in it")):
+def test_a_path_is_no_empty_text_and_has_neither_a_zero_byte_nor_a_million_letters(result: Path) -> None:
+    for name, reason in (("", "is empty"), ("a\0b", "has a zero byte in it"), ("a" * 10**6, "longer than any"), ("\ud800", "has half of a character in it")):
         for call in (rabiline.open, rabiline.open(result).to_csv, rabiline.open(result).plot):
             with pytest.raises(InputError, match=f"is the path of a file, and {reason}"):
                 call(name)
