@@ -365,6 +365,8 @@ def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int | 
         labels = [label.replace(", FWHM", "\nFWHM") if max(widths) > width else label for label in labels]
         if 0.019 * style.points("legend.fontsize") * sum(1 + label.count("\n") for label in labels) > LEGEND * figure.get_figheight():
             labels = [_without_numbers(label) for label in whole]  # `summary` has the numbers
+            for arrow in [text for text in axes.texts if not text.get_text()]:
+                arrow.remove()  # of a width that is not told
         return style.legend_at_foot(figure, items, labels)
     figure.set_figheight(max(figure.get_figheight(), 4.3 + 0.19 * lines))
     below = -0.62 / (figure.get_figheight() - 1)  # inches to axes, near enough
