@@ -8,7 +8,7 @@ from scipy import stats
 
 from .covariance import LEAST_P, freedom_in_words, p_in_words
 from .held import PART, Held
-from .units import format_value, in_unit, unit_shown
+from .units import format_value, unit_shown
 
 if TYPE_CHECKING:
     from .fitting import CountsFit
@@ -147,4 +147,8 @@ def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:
 
 
 def _signed(by: float, unit: str, factor: float) -> str:
-    return "open" if not np.isfinite(by) else f"{'+' if by > 0 else '−'}{in_unit(float(f'{abs(by) / factor:.3g}') * factor, unit, factor)}".strip()
+    size = abs(by) / factor
+    if not np.isfinite(by) or size == 0:
+        return f"+0 {unit}".strip() if size == 0 else "open"
+    digits = max(0, 2 - int(np.floor(np.log10(size))))  # three, as the error beside it has two
+    return f"{'+' if by > 0 else '−'}{float(f'{size:.3g}'):.{digits}f} {unit}".strip()
