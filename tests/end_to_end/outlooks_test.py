@@ -172,3 +172,19 @@ def test_what_would_fly_for_ever_has_a_cost_all_the_same(tmp_path: Path, field: 
     done = check(tmp_path, NEUTRONS % (50, "z", f"  - {{name: Q, kind: formula_field, at: 0.2 m, formula: {{Bz: '{field}', width: 1 cm, height: 1 cm, length: 10 cm, "
                                                 "step: 2 mm}}\n  - {name: D, kind: detector, at: 1.2 m, width: 40 mm, height: 40 mm, bins: [1, 1]}"))
     assert done.returncode == 0 and float(re.search(r"cost +about (\S+) s", done.stdout)[1]) > 10, done.stderr
+
+
+def test_a_line_that_one_photon_drives_is_told_no_shift_by_two(tmp_path: Path) -> None:
+    """At 16 kHz, the frequency of the line itself, Omega^2/4 delta is no shift: 29 kHz of it were told."""
+    told = check(tmp_path, """rabiline: 1
+species: Rb-87 atom
+law: quantum
+source: {speed: {kind: single, value: 300 m/s}, opening: {radius: 1 nm}, direction: parallel, spin: {kind: levels, levels: [F=2 m=2]}}
+parts:
+  - {name: G, kind: uniform_field, at: 0.1 m, length: 0.3 m, field: 2.29 uT, direction: [0.4, 0.2, 1]}
+  - {name: RF, kind: oscillating_field, at: 0.15 m, length: 0.2 m, amplitude: 0.4 uT, direction: x, frequency: 16 kHz, approximation: none, phase: 30 deg, profile: half_sine}
+  - {name: D, kind: detector, at: 0.5 m, width: 20 mm, height: 20 mm, bins: [1, 1]}
+particles: 6
+seed: 1
+""").stdout
+    assert "Rabi frequency" in told and "by two photons" not in told, told
