@@ -15,6 +15,7 @@ from .units import Scale, fitting_scale, format_value, law_name, prefixed
 
 ABOUT_ERROR = "error: from the scatter about the line"
 LEAST = 1e-9  # rad, that a panel of residuals shows at least: less is the rounding of numbers
+LEAST_BESIDE, LEAST_BELOW = (8.0, 5.0), (4.6, 6.8)  # inches, that letters of their natural size leave room for curves in
 SEEN = 10.0  # times the largest residual: a line that is expected further away may leave its panel
 
 
@@ -96,17 +97,21 @@ def line_through(name: str, times: np.ndarray, values: np.ndarray, spread: np.nd
 @style.in_proportion
 def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[float | None], point: int,
                 title: str | None = None) -> Figure:
-    """Each angle above what it has beyond its fit; `expected` are rates in turns per second, drawn through the middle
-    of the planes."""
-    figure, panels = plt.subplots(4, 1, figsize=(7.2, 8.4), sharex=True, layout="constrained",
-                                  gridspec_kw={"height_ratios": [2.4, 1, 2.4, 1]})
+    """Each angle above what it has beyond its fit, both side by side where a size is asked for that is wider than high; `expected` are rates in
+    turns per second, drawn through the middle of the planes."""
+    asked = style.room() or (7.2, 8.4)
+    beside = asked[0] > asked[1]
+    size = np.maximum(asked, LEAST_BESIDE if beside else LEAST_BELOW)
+    figure, grid = plt.subplots(*((2, 2) if beside else (4, 1)), figsize=size, sharex=True, layout="constrained", squeeze=False,
+                                gridspec_kw={"height_ratios": [2.4, 1] if beside else [2.4, 1, 2.4, 1]})
+    panels, between = grid.T.ravel(), "\n" if beside else " "
     scale = fitting_scale(np.concatenate([one.times for one in angles]), "s")
     colour = LAWS.get(results.laws[point].split(" ")[0], (INK, "o"))[0]
     for (panel, below), one, rate in zip((panels[:2], panels[2:]), angles, expected):
         shown = np.asarray(scale.apply(one.times))
         fit = one.offset + one.rate * one.times
         panel.errorbar(shown, np.degrees(one.values), np.degrees(one.spread), fmt=".", color=colour, markersize=4,
-                       ecolor=colour, elinewidth=1.2, label="mean, and standard deviation of the particles")
+                       ecolor=colour, elinewidth=1.2, label=f"mean, and standard deviation{between}of the particles")
         turns, error = one.turns
         panel.plot(shown, np.degrees(fit), color=INK, linewidth=1,
                    label=f"fit: {format_value(turns, 'Hz', error)}\n{ABOUT_ERROR}".replace("-", "−"))
@@ -129,7 +134,8 @@ def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[f
         panel.legend(loc="best")
         for each in (panel, below):
             each.grid(True)
-    panels[-1].set_xlabel(scale.label("time of flight, mean in each plane"))
+    for below in grid[-1]:
+        below.set_xlabel(scale.label("time of flight, mean in each plane"))
     style.write_title(figure, f"{title or results.title}\n{law_name(results.laws[point])}, {results.species[point]}")
-    figure.align_ylabels(panels)
+    figure.align_ylabels(grid)
     return figure

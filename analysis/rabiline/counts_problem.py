@@ -253,9 +253,8 @@ def _averaged(straight: np.ndarray, bent: np.ndarray) -> tuple[np.ndarray, np.nd
     k = len(bent)
     matrix, scatter = straight.copy(), np.zeros((k, k))
     matrix[:k, :k] += np.diag(np.sqrt(np.maximum(np.einsum("iiii->i", bent), 0)))
-    none = np.zeros_like(matrix)
     for _ in range(AVERAGES):  # as Heron takes roots: of the bend, where there is no slope
-        scatter = _within_reach(Fisher(matrix, none, none, none).inverse[:k, :k])
+        scatter = _within_reach(_inverse(matrix, DEGENERATE)[:k, :k])
         before, matrix = matrix, (matrix + straight) / 2
         matrix[:k, :k] += np.einsum("ijml,jl->im", bent, scatter) / 2
         if (np.abs(matrix - before) <= SETTLED * np.sqrt(np.outer(np.diag(matrix), np.diag(matrix)))).all():
@@ -269,10 +268,13 @@ def _within_reach(scatter: np.ndarray) -> np.ndarray:
     return less[:, None] * scatter * less
 
 
-def _inverse(matrix: np.ndarray) -> np.ndarray:
-    """[k, k] Of second derivatives, whatever the units of the parameters; without directions that these do not know."""
+def _inverse(matrix: np.ndarray, least: float = 1e-10) -> np.ndarray:
+    """[k, k] Of second derivatives, whatever the units of the parameters; without directions that these do not know, whose eigenvalues are below
+    `least` of the largest."""
     size = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    return size[:, None] * np.linalg.pinv(size[:, None] * matrix * size, rcond=1e-10, hermitian=True) * size
+    values, vectors = np.linalg.eigh(size[:, None] * matrix * size)
+    known = vectors[:, values > least * values[-1:]]
+    return size[:, None] * (known / values[values > least * values[-1:]] @ known.T) * size
 
 
 def shares_of_simulation(problem: Problem, values: np.ndarray) -> np.ndarray:

@@ -229,7 +229,7 @@ void each_overlap(const Beamline& beamline, Tell tell) {
       const double begin = std::max(parts[i].placement.at, parts[k].placement.at),
                    end = std::min(end_of(parts[i]), end_of(parts[k]));
       if (begin + 1e-12 < end)
-        tell(parts[k], parts[i], fmt::format("from {} to {}", metres(begin), metres(end)));
+        tell(parts[k], parts[i], [=] { return fmt::format("from {} to {}", metres(begin), metres(end)); });
     }
 }
 
@@ -239,19 +239,19 @@ void find_overlaps(const Beamline& beamline, Faults& out) {
     const std::string* followed = clock_of(part.part);
     return followed ? *followed : part.placement.name;
   };
-  each_overlap(beamline, [&](const PlacedPart& one, const PlacedPart& other, const std::string& where) {
+  each_overlap(beamline, [&](const PlacedPart& one, const PlacedPart& other, const auto& where) {
     const std::string &name = other.placement.name, help = "place them one behind the other";
     if (traits_of(one.part).drives && traits_of(other.part).drives && clock(one) == clock(other))
       out.push_back(warning(name, "at",
                             fmt::format("`{}` and `{}` follow one clock and overlap {}, where their "
                                         "fields add up",
-                                        one.placement.name, name, where),
+                                        one.placement.name, name, where()),
                             help));
     if (is_magnet(one.part) && is_magnet(other.part))
       out.push_back(warning(name, "at",
                             fmt::format("the magnets `{}` and `{}` stand one inside the other {}; their "
                                         "fields are added",
-                                        one.placement.name, name, where),
+                                        one.placement.name, name, where()),
                             help));
   });
 }

@@ -153,19 +153,22 @@ Sections SectionBuilder::build(Magnets magnets) const {
   return all.cut();
 }
 
-Sections SectionBuilder::cut() const {
+Sections SectionBuilder::cut() {
   const std::vector<double> edges = this->edges();
-  const auto snapped = [&](double y) {
+  const auto snap = [&](double& y) {
     const auto next = std::lower_bound(edges.begin(), edges.end(), y - same_place);
-    return next != edges.end() && *next <= y + same_place ? *next : y;
+    if (next != edges.end() && *next <= y + same_place) y = *next;
   };
+  const auto snap_ends = [&](auto&... contributions) {
+    const auto both = [&](Extent& e) { snap(e.begin), snap(e.end); };
+    (std::ranges::for_each(contributions, [&](auto& one) { both(one.first); }), ...);
+  };
+  snap_ends(uniform_, zones_, coils_, shaped_, swinging_, electric_, gaps_, bores_);
   Sections result;
   result.tables = tables_;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     Section section{edges[i], edges[i + 1], {}, {}, {}, {}, {}, {}, {}, chamber_};
-    const auto covers = [&](const Extent& e) {
-      return snapped(e.begin) <= section.begin && snapped(e.end) >= section.end;
-    };
+    const auto covers = [&](const Extent& e) { return e.begin <= section.begin && e.end >= section.end; };
     bool anything = false;
     for (const auto& [extent, term] : uniform_)
       if (covers(extent)) section.field = section.field + term.field, anything = true;
@@ -187,7 +190,7 @@ Sections SectionBuilder::cut() const {
     if (anything || section.falls_along) result.sections.push_back(section);
   }
   result.planes = planes_;
-  for (Plane& plane : result.planes) plane.y = snapped(plane.y);
+  for (Plane& plane : result.planes) snap(plane.y);
   std::stable_sort(result.planes.begin(), result.planes.end(),
                    [](const Plane& a, const Plane& b) { return a.y < b.y; });
   return result;

@@ -78,7 +78,7 @@ class SectionBuilder {
   };
   RotatingTerm follow(const Zone&) const;
   SwingingTerm follow(const Swing&) const;
-  Sections cut() const;
+  Sections cut();
   bool is_among_fields(const Plane& magnet) const;
   void make_field(const Plane& magnet);
   std::vector<double> edges() const;

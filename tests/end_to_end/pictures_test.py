@@ -169,6 +169,15 @@ def test_a_column_has_room_for_images_levels_and_an_apparatus(name: str) -> None
         plt.close(figure)
 
 
+@pytest.mark.parametrize("size", [(140, 90), (86, 130), (120, 120)])
+def test_angles_stand_beside_one_another_where_there_is_no_room_below(size: tuple[float, float]) -> None:
+    result = rabiline.load(BEAMLINES / "spin-angles.yaml").set(particles=PARTICLES).fly()
+    figure = pictures.plot_of(result, "angles", {"size": size})
+    assert not faults(figure) and figure.axes[0].get_gridspec().ncols == (2 if size[0] > size[1] else 1)
+    with pytest.raises(InputError, match="letters would become too small"):
+        pictures.plot_of(result, "angles", {"size": (86, 60)})
+
+
 def test_a_slender_picture_has_its_numbers_and_names_apart() -> None:
     result = rabiline.load(BEAMLINES / "caesium-clock.yaml").set(particles=PARTICLES).fly()
     assert not faults(pictures.plot_of(result, "scan", {"size": (40, 200)}))
