@@ -48,7 +48,7 @@ from pathlib import Path
 from typing import NoReturn, Sequence, TextIO
 
 from .argument_types import file_name
-from .errors import TURNING
+from .errors import printable
 
 VERBS = {  # and the module of each, imported when it is called
     "new": ("starters", "write a starter file for an experiment"),
@@ -94,14 +94,13 @@ class Once(argparse._StoreAction):
 
 class Printable:
     """A stream without the control characters of names and tables, which would steer a terminal."""
-    CONTROL = {code: "?" for code in (*range(32), *range(127, 160), *TURNING) if chr(code) not in "\n\t\r"}
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
         """As that of the stream."""
-        return self._stream.write(text.translate(self.CONTROL))
+        return self._stream.write(printable(text))
 
     def __getattr__(self, name: str) -> object:
         return getattr(self._stream, name)

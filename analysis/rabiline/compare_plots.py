@@ -44,7 +44,8 @@ def draw_difference(one: Results, other: Results, detector: str, title: str | No
     style.name_below(below, scale.label(axis.parameter))
     style.write_deviations(below, "difference", max((np.abs(row[np.isfinite(row)]).max(initial=0.0) for row in differences)))
     above.grid(axis="y")
-    above.set_title(agreement.replace("chi²", "χ²"), fontsize=style.points("legend.fontsize"))
+    small = style.points("legend.fontsize")
+    above.set_title(style.in_lines(agreement.replace("chi²", "χ²"), figure.get_figwidth() - 0.9, small), fontsize=small)
     style.write_title(figure, title or one.title)
     foot = style.legend_at_foot(figure, *above.get_legend_handles_labels())
     drawn = [curve for pair in pairs for curve in pair]

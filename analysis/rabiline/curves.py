@@ -8,7 +8,7 @@ import numpy as np
 from .covariance import Spread
 from .errors import InputError
 from .results import Axis, Results
-from .swings import maxima
+from .swings import central, maxima
 from .units import law_name
 
 
@@ -147,16 +147,17 @@ def spread_of(results: Results, detector: int, points: np.ndarray) -> Spread:
 
 
 def half_maxima(curve: Curve) -> list[Resonance]:
-    """Every dip or peak without a model, by rising x. The depth of each is the distance from the baseline to its
-    farthest point; its edges are where straight lines between points first cross half of it on either side. Two dips
-    are two where the curve comes back between them to less than a quarter of the shallower one's depth; what stays
-    below a quarter of the deepest one is a side lobe and not measured; of fringes, which swing to both sides of the baseline,
-    only the farthest is, whose depth is that to the mean of the extremes beside it.
+    """Every dip or peak without a model, by rising x. The depth of each is the distance from the baseline to its farthest point; its edges are where
+    straight lines between points first cross half of it on either side. Two dips are two where the curve comes back between them to less than a quarter
+    of the shallower one's depth; what stays below a quarter of the deepest one is a side lobe and not measured; of fringes, which swing to both sides of
+    the baseline, only the farthest is, or the central one of few, whose depth is that to the mean of the extremes beside it.
 
-    Errors come from the covariance, to first order, and for the edges from `Edge.resolution` on top. Raises NoResonance
-    where nothing stands out, where any one of several cannot be measured, and where what stands out belongs to a resonance outside the
-    scan: no number is better than a wrong one.
+    Errors come from the covariance, to first order, and for the edges from `Edge.resolution` on top. Raises NoResonance where nothing stands out, where
+    any one of several cannot be measured, and where what stands out belongs to a resonance outside the scan: no number is better than a wrong one.
     """
+    if found := _central(curve):
+        sign, farthest, *beside = found
+        return [_measured(curve, farthest, sum(_at(place, curve.y.size) for place in beside) / 2, sign)]
     along_baseline, sign = _baseline(curve)
     height = sign * (curve.y - along_baseline @ curve.y)
     farthest = int(np.argmax(height))
@@ -182,6 +183,8 @@ def half_maxima(curve: Curve) -> list[Resonance]:
 
 def are_fringes(curve: Curve) -> bool:
     """Whether a curve with dips or peaks swings beyond its baseline between them, as Ramsey's fringes do."""
+    if _central(curve):
+        return True
     along_baseline, sign = _baseline(curve)
     height = sign * (curve.y - along_baseline @ curve.y)
     return _are_fringes(curve, height, _extremes(height, _of_fringes(height)))
@@ -304,16 +307,22 @@ def _at(place: int, points: int) -> np.ndarray:
     return out
 
 
-def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
-    """d(baseline)/dy [n], and +1 for peaks, -1 for dips: where the curve goes farther from the baseline. The baseline
-    is the mean of the outer tenths of the scan where these agree with each other; else, with a dip near an end, the
-    mean of the points near the median of all, which must be many. Refused where neither shows a baseline."""
+def _central(curve: Curve) -> tuple[int, int, int, int] | None:
+    """The central one of few fringes, where the ends of the scan are no baseline. Refused where what is scanned has no resonance."""
     if not curve.axis.labels and (curve.axis.units not in RESONANT or curve.axis.parameter.endswith(".amplitude")):
         raise NoResonance(f"{curve.axis.parameter} tunes neither a frequency nor a static field")
     if curve.axis.labels or curve.y.size < 5:
         raise NoResonance("a resonance needs a numeric axis with at least five points")
     if not (np.isfinite(curve.y).all() and (np.diff(curve.x) > 0).all()):
         raise NoResonance("a resonance needs finite fractions at values that differ")
+    noise = 5 * float(curve.errors.max())
+    return central(curve.y, max(float(np.ptp(curve.y)) / 4, noise), noise)
+
+
+def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
+    """d(baseline)/dy [n], and +1 for peaks, -1 for dips: where the curve goes farther from the baseline. The baseline
+    is the mean of the outer tenths of the scan where these agree with each other; else, with a dip near an end, the
+    mean of the points near the median of all, which must be many. Refused where neither shows a baseline."""
     y, tenth = curve.y, max(2 if curve.y.size >= 9 else 1, curve.y.size // 10)
     near = np.zeros(y.size, dtype=bool)
     near[:tenth] = near[-tenth:] = True

@@ -7,7 +7,13 @@ from contextlib import contextmanager
 from typing import Iterator, Mapping, Sequence
 
 TURNING = (0x200e, 0x200f, *range(0x2028, 0x202f), *range(0x2066, 0x206a))  # characters that turn the direction of writing, or end lines
+CONTROL = {code: "?" for code in (*range(32), *range(127, 160), *range(0xd800, 0xe000), *TURNING) if chr(code) not in "\n\t\r"}
 VALUES = {"beside": "True", "in_space": "True", "size": "(width, height)"}  # of options in Python; all others are texts
+
+
+def printable(text: str) -> str:
+    """A text without the control characters of names and tables, which would steer a terminal."""
+    return text if text.isprintable() else text.translate(CONTROL)
 
 
 class InputError(Exception):
@@ -16,11 +22,17 @@ class InputError(Exception):
     exit_code = 2
     diagnostics: Sequence[Mapping[str, object]] = ()  # each mistake in an experiment: its file, line, column, message and help
 
+    def __str__(self) -> str:
+        return printable(super().__str__())
+
 
 class StorageError(OSError):
     """A file that cannot be written, or a result that cannot be read."""
 
     exit_code = 3
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
 
 @contextmanager

@@ -19,7 +19,7 @@ except ImportError as problem:  # a build without pybind11
                       f"pybind11, or set PYTHONPATH to the folder `python` of the build ({problem})") from None
 
 from . import asked
-from .errors import as_keywords
+from .errors import as_keywords, printable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -50,7 +50,7 @@ class Report:
     memory: float | None = None
 
     def __str__(self) -> str:
-        return self.plan + "".join(self.warnings)
+        return printable(self.plan + "".join(self.warnings))
 
     __repr__ = __str__
 
@@ -87,7 +87,7 @@ class Experiment:
         return Experiment, (self.text, self.path, self.changes, self.scans, self.without_scan)
 
     def __repr__(self) -> str:
-        return f"<experiment {self.title}>"
+        return f"<experiment {printable(self.title)}>"
 
     @property
     def title(self) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import shlex
-import unicodedata
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Iterator
@@ -16,7 +15,7 @@ from typing import Iterator
 import h5py
 import numpy as np
 
-from .errors import TURNING, InputError, StorageError
+from .errors import InputError, StorageError, printable
 
 FORMAT_VERSION = 3  # the newest layout of files that is understood here; files without a version are older
 SEALED_SINCE = 3  # the format version
@@ -268,6 +267,4 @@ def _why_not(path: Path) -> str:
 def _decoded(value: object) -> str:
     """A text without control characters, which would steer a terminal."""
     text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-    if text.replace("\n", "").replace("\t", "").isprintable():  # most are
-        return text
-    return "".join(c if c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cs") and ord(c) not in TURNING else "?" for c in text)
+    return printable(text).replace("\r", "?")

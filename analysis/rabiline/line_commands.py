@@ -45,7 +45,7 @@ def arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help='where a parameter starts: "centre=29 kHz"; a plain number is in SI')
     known = parser.add_mutually_exclusive_group()
     known.add_argument("--per-field", metavar="RATE", help='turns the centres into fields: "29.1646935 MHz/T"')
-    known.add_argument("--field", metavar="B", help='turns the centres into moments and g factors: "10 mT"')
+    known.add_argument("--field", metavar="B", help='turns the centres into gyromagnetic ratios and g factors: "10 mT"')
     parser.add_argument("--detector", metavar="NAME")
     parser.add_argument("--title", type=heading)
     parser.add_argument("-o", "--output", type=Path, metavar="PNG")
@@ -157,8 +157,8 @@ def _better(fitted: LineFit, others: dict[str, Form], x: np.ndarray, y: np.ndarr
 
 
 def derived(fitted: LineFit, unit: str, per_field: float | None, field: float | None, written: tuple[str, float] | None = None) -> list[str]:
-    """What the centres mean, with the covariance of the fit: distances between them, fields by a frequency `per_field` [Hz/T], moments and
-    g factors by the `field` [T]."""
+    """What the centres mean, with the covariance of the fit: distances between them, fields by a frequency `per_field` [Hz/T], gyromagnetic
+    ratios and g factors by the `field` [T]."""
     centres = [i for i, name in enumerate(fitted.names) if name.startswith("centre")]
     lines = []
     for i, j in zip(centres, centres[1:]):
@@ -173,7 +173,7 @@ def derived(fitted: LineFit, unit: str, per_field: float | None, field: float | 
         if per_field:
             lines.append(f"{'field' + which:<10} {format_value(value / per_field, 'T', abs(error / per_field))}")
         if field:
-            lines.append(f"{'moment' + which:<10} {format_value(value / field, 'Hz/T', abs(error / field))} times h")
+            lines.append(f"{'γ/2π' + which:<10} {format_value(value / field, 'Hz/T', abs(error / field))}")
             for name, magneton in MAGNETONS.items():
                 g, g_error = (PLANCK * one / field / magneton for one in (value, error))
                 lines.append(f"{'g' + which:<10} {format_value(g, '', abs(g_error))} in {name}")

@@ -2,12 +2,11 @@
 from __future__ import annotations
 
 import re
-import textwrap
 import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
-from math import floor, log10
+from math import ceil, floor, log10
 from pathlib import Path
 from typing import Callable, Iterator, Sequence
 
@@ -24,7 +23,7 @@ from matplotlib.textpath import text_to_path
 
 from . import asked
 from .errors import InputError
-from .units import SUPERSCRIPT, unbroken
+from .units import SUPERSCRIPT, wrapped
 from .writing import require_place, whole
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
@@ -86,19 +85,25 @@ def in_proportion(draw: Callable[..., Figure]) -> Callable[..., Figure]:
     def fitted(*arguments: object, **options: object) -> Figure:
         global _asked, _room
         asked, _asked = _asked, None
+
+        def factor_to(size: np.ndarray, least: float | None) -> float:
+            global _room
+            _room = None if least is None else tuple(size / least)
+            with letters_by(1.0):
+                natural = draw(*arguments, **options)
+            plt.close(natural)
+            return min(size / natural.get_size_inches())
+
         try:
             if asked is None:
                 return draw(*arguments, **options)
-            for _room in (None, tuple(length / LEAST for length in asked)):
-                with letters_by(1.0):
-                    natural = draw(*arguments, **options)
-                factor = min(wanted / own for wanted, own in zip(asked, natural.get_size_inches()))
-                plt.close(natural)
-                if factor > NEARLY * LEAST:
-                    break
-            else:
-                least = "x".join(f"{25.4 * LEAST / factor * length:.0f}" for length in asked)
-                raise InputError(f"--size: letters would become too small; {least} is the least of this shape")
+            size, least, factor = np.array(asked), NEARLY * LEAST, factor_to(np.array(asked), None)
+            factor = factor if factor > least else factor_to(size, LEAST)
+            while factor <= least:
+                size = size * max(1.02, LEAST / factor)
+                factor = factor_to(size, LEAST)
+            if tuple(size) != tuple(asked):
+                raise InputError("--size: letters would become too small; " + "x".join(f"{ceil(25.4 * length)}" for length in size) + " or more is needed in this shape")
             with letters_by(factor):
                 figure = draw(*arguments, **options)
             figure.set_size_inches(factor * figure.get_size_inches())
@@ -215,11 +220,6 @@ def logarithmic(axis: Axis) -> None:
 def widest(labels: Sequence[str]) -> int:
     """Letters of the longest line of them all."""
     return max(len(line) for label in labels for line in label.splitlines() or [""])
-
-
-def wrapped(text: str, most: int) -> str:
-    """In lines of so many letters at most; a number stays with its error and its unit."""
-    return "\n".join(line for part in unbroken(text).splitlines() for line in textwrap.wrap(part, most) or [""]).replace("\u00a0", " ")
 
 
 def name_below(axes: Axes, text: str) -> None:

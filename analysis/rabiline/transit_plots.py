@@ -36,26 +36,28 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
         axes.errorbar(((at[:-1] + at[1:]) / 2)[hit], y[hit], bars[hit], fmt="none", ecolor=colour, elinewidth=0.8)
     axes.set_xlim(at[0], at[-1])
     axes.set_ylim(bottom=0)
-    axes.set_xlabel(scale.label("time of flight from the source"))
+    style.name_below(axes, scale.label("time of flight from the source"))
     axes.grid(axis="y")
     speeds = axes.secondary_xaxis("top", functions=(lambda t: speed_at(t, transit, scale.factor),
                                                     lambda v: speed_at(v, transit, scale.factor)))
-    speeds.set_xticks(round_speeds(transit.distance / edges[-1], transit.distance / edges[0], 7 if figure.get_figwidth() > style.NARROW else 5))
+    wide = figure.get_figwidth()
+    speeds.set_xticks(round_speeds(transit.distance / edges[-1], transit.distance / edges[0], 7 if wide > style.NARROW else max(2, min(5, int(2.2 * wide)))))
     speeds.xaxis.set_major_formatter("{x:g}")
-    speeds.set_xlabel("speed along the beam (m/s)")
+    above = style.in_lines("speed along the beam (m/s)", wide - 0.8, style.points("axes.labelsize"))
+    speeds.set_xlabel(above)
     style.write_title(figure, title)
     further = f"\n{left} further paths are not shown" if left > 0 else ""
     if caught.shape[1] < FEW and figure.get_figheight() > LOW:
         size, cells = style.points("legend.fontsize"), f"{caught.shape[1]} cell{'' if caught.shape[1] == 1 else 's'}"
         axes.set_title(style.in_lines(f"{cells}: for the scan that is fine enough, and nothing finer is kept. A tally of the time_of_flight may have "
                                       "any bins", figure.get_figwidth() - 1, size), fontsize=size, color=GREY)
-    heading, foot = f"level before and behind the fields{further}", 0.0
+    heading, foot = style.in_lines(f"level before and behind the fields{further}", wide - 0.3, style.points("legend.fontsize")), 0.0
     if style.size(0, 0) != (0, 0):
         foot = style.legend_at_foot(figure, *axes.get_legend_handles_labels(), heading)
     else:
         axes.legend(title=heading, title_fontsize=style.points("legend.fontsize"), ncol=1 + len(shown) // 5, loc="best")
-    above = style.BELOW * style.points("axes.labelsize") if foot else 0.0  # of the axis of speeds
-    axes.set_ylabel(style.upright(figure, f"caught / emitted per {scale.unit}, if found on that path\n(bars: 1 σ)", foot + above))
+    high = style.BELOW * (1 + above.count("\n")) * style.points("axes.labelsize") if foot else 0.0  # of the axis of speeds
+    axes.set_ylabel(style.upright(figure, f"caught / emitted per {scale.unit}, if found on that path\n(bars: 1 σ)", foot + high))
     return figure
 
 

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from dataclasses import dataclass
 from math import floor, isfinite, log10
 
@@ -130,7 +131,22 @@ def in_unit(value: float, unit: str, factor: float, digits: int = 10) -> str:
     return f"{_with_power(f'{value / factor:.{digits}g}')} {unit}"
 
 
-def unbroken(text: str) -> str:
+def wrapped(text: str, most: int) -> str:
+    """In lines of so many letters at most. A number stays with its error and its unit where a line has room for them, and is never broken itself; long
+    names are, behind a sign between their parts."""
+    def fitting(word: str) -> str:
+        if len(word) > most and "\u00a0" in word:
+            return " ".join(map(fitting, word.split("\u00a0")))
+        if len(word) <= most or word[0].isdigit():
+            return word
+        parts = textwrap.wrap(re.sub(r"(?<=[+._])(?=.)", " ", word), most)
+        return " ".join(line.replace(" ", "") for line in parts)
+
+    lines = (" ".join(map(fitting, filter(None, part.split(" ")))) for part in _unbroken(text).splitlines())
+    return "\n".join(line for part in lines for line in textwrap.wrap(part, most, break_long_words=False) or [""]).replace("\u00a0", " ")
+
+
+def _unbroken(text: str) -> str:
     """The same with blanks that no line ends at between numbers, errors and units."""
     units = "|".join(sorted(map(re.escape, TAKE_PREFIXES), key=len, reverse=True))
     return re.sub(rf" ?± ?|(?<=\d) (?=[{''.join(filter(None, PREFIXES.values()))}]?(?:{units})(?![a-z]))", lambda found: found[0].replace(" ", "\u00a0"), text)

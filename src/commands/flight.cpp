@@ -39,6 +39,16 @@ std::string told_of_stop(const Path& kept, const std::string& how) {
                      checkpoint_of(kept).string(), how, quoted(kept));
 }
 
+/// Another name in that folder, `a-2.h5` for `a.h5`, where that has a result or a checkpoint already.
+Path untaken(const Path& place) {
+  std::error_code error;
+  Path name = place;
+  for (int n = 2; std::filesystem::exists(name, error) || std::filesystem::exists(checkpoint_of(name), error);
+       ++n)
+    name = place.parent_path() / fmt::format("{}-{}{}", place.stem().string(), n, place.extension().string());
+  return name;
+}
+
 /// Keeps the sums somewhere: beside the output, in the current folder, in those for temporary files. Returns
 /// the output whose checkpoint they are now. Throws StorageError where there is no place.
 Path keep(const Snapshot& snapshot, const Path& output) {
@@ -47,12 +57,10 @@ Path keep(const Snapshot& snapshot, const Path& output) {
   std::string tried;
   for (const Path& place : {output, std::filesystem::current_path(error) / name,
                             std::filesystem::temp_directory_path(error) / name, Path("/tmp") / name}) {
-    const Path checkpoint = checkpoint_of(place);
     try {
-      if (place != output && std::filesystem::exists(checkpoint, error))
-        tried += fmt::format("\n  nor as {}, which is there already", checkpoint.string());
-      else if (place == output || place.has_parent_path())
-        return write(snapshot, checkpoint), place;
+      if (place != output && !place.has_parent_path()) continue;
+      const Path kept = place == output ? output : untaken(place);
+      return write(snapshot, checkpoint_of(kept)), kept;
     } catch (const StorageError& problem) {
       tried += (tried.empty() ? "" : "\n  nor: ") + std::string(problem.what());
     }

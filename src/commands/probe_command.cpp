@@ -27,6 +27,8 @@ double read_quantity(const char* option, std::string_view text, Dimension dimens
   if (!read.error.empty() || (read.dimension != dimension && !is_bare_zero))
     throw ArgumentError(fmt::format("{}: `{}` is not {}\n  help: write it like `{}`", option, text,
                                     with_article(name_of(dimension)), example_of(dimension)));
+  if (constexpr double farthest = 1e12; std::abs(read.value) > farthest)
+    throw ArgumentError(fmt::format("{}: `{}` is beyond {:g} in SI", option, text, farthest));
   return read.value;
 }
 

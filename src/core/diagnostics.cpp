@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdint>
 
@@ -83,8 +84,11 @@ std::string excerpt(const Place& place, const std::string& whole) {
 }
 
 /// Letters to insert, drop, replace or swap with a neighbour (optimal string alignment).
+constexpr std::size_t longest_word = 64, most_edits = longest_word / 3 + 1;
+
+/// Of words of no more than these letters, neither longer than the other by more than those edits.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  std::array<std::array<std::size_t, longest_word + most_edits + 1>, longest_word + 1> d;
   for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
   for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i)
@@ -163,10 +167,11 @@ std::string printable(std::string_view text) {
 }
 
 std::string closest(std::string_view word, const std::vector<std::string>& known) {
-  if (word.empty() || word.size() > 64) return {};
+  if (word.empty() || word.size() > longest_word) return {};
   const std::string wanted = lower(word);
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(word.size() < 4 ? 1 : 2, word.size() / 3) + 1;
+  std::size_t best_distance =
+      std::max<std::size_t>(word.size() < 4 ? 1 : 2, word.size() / 3) + 1;  // at most `most_edits` + 1
   for (const std::string& candidate : known) {
     const std::string other = lower(candidate);
     if (wanted.size() >= 3 && best_distance > 1 && other.starts_with(wanted)) {
@@ -174,6 +179,8 @@ std::string closest(std::string_view word, const std::vector<std::string>& known
       best_distance = 1;
       continue;
     }
+    if (std::max(wanted.size(), other.size()) - std::min(wanted.size(), other.size()) >= best_distance)
+      continue;
     const std::size_t distance = edit_distance(wanted, other);
     if (distance >= best_distance || distance >= std::max(wanted.size(), other.size())) continue;
     best = candidate;

@@ -17,6 +17,7 @@ namespace rabiline {
 namespace {
 
 constexpr std::array<const char*, 3> places{"x", "y", "z"};
+constexpr double largest = 1e30;  // that a formula comes to, in SI: what is worked out with it stays finite
 
 double squared(double x) { return x * x; }
 double power(double x, double y) {
@@ -108,7 +109,13 @@ FormulaFault fault_of(const mu::ParserError& error, const std::string& text, con
       std::size_t end = from;
       while (end < text.size() && (std::isalnum(static_cast<unsigned char>(text[end])) || text[end] == '_'))
         ++end;
-      const std::string word = text.substr(from, std::max<std::size_t>(1, end - from));
+      const auto goes_on = [&](std::size_t i) {
+        return (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80;
+      };
+      if (end == from && end < text.size())
+        for (++end; end < text.size() && goes_on(end);)
+          ++end;  // all of a character that is no letter of ASCII
+      const std::string word = text.substr(from, end - from);
       FormulaFault fault(
           fmt::format("`{}` is not a place, a constant or a function", word),
           word == "t"
@@ -116,7 +123,8 @@ FormulaFault fault_of(const mu::ParserError& error, const std::string& text, con
                     "state how often the formulas repeat in time, `frequency: 10 kHz`, or how long they "
                     "are worked out, `duration: 5 ms`")
           : closest(word, words_of(parser)).empty()
-              ? word == "*" ? std::string("a power is written `^`: `t^2`")
+              ? word == "*"        ? std::string("a power is written `^`: `t^2`")
+                : word == "\u2212" ? std::string("a minus is written `-`")
                 : parse_quantity("1 " + word).error.empty()
                     ? fmt::format(
                           "a unit stands with a constant: `constants: {{a: 1 {}}}`; formulas have numbers "
@@ -207,11 +215,11 @@ double FormulaComponent::at(const std::array<double, 3>& place, double t) {
   parser_->place = place;
   parser_->t = t;
   const double value = parser_->read.Eval();
-  if (!std::isfinite(value))
-    throw parser_->of_all(
-        fmt::format("the formula has no finite value at x = {:.4g} m, y = {:.4g} m, z = {:.4g} m", place[0],
-                    place[1], place[2]),
-        "keep such places out of the box, or write the formula so that it is finite there");
+  if (!(std::abs(value) <= largest))
+    throw parser_->of_all(fmt::format("the formula has no finite value, or one beyond {:g}, at x = {:.4g} m, "
+                                      "y = {:.4g} m, z = {:.4g} m",
+                                      largest, place[0], place[1], place[2]),
+                          "keep such places out of the box, or write the formula so that it is finite there");
   return value;
 }
 

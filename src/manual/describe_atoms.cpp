@@ -54,9 +54,10 @@ std::string levels_of(const Structure& structure) {
       for (const double b : zero_moment_fields(spins, static_cast<int>(n), 1e-4 * scale, 1e2 * scale))
         vanishes +=
             fmt::format("{} {}", vanishes.empty() ? " " : ",", pretty_quantity(b, Dimension::magnetic_field));
+    const double moment = levels.moment[n] / (small ? nuclear_magneton : bohr_magneton);
     out += fmt::format("    {:12} {:20} {:>14.6f}  {:+.6f}{}\n", weak_field_name(levels.labels[n]),
                        strong_field_name(levels.labels[n]), levels.energy[n] / planck / 1e6,
-                       levels.moment[n] / (small ? nuclear_magneton : bohr_magneton), vanishes);
+                       std::abs(moment) < 5e-7 ? 0.0 : moment, vanishes);
   }
   return out;
 }

@@ -108,7 +108,8 @@ inline constexpr auto parameters<SpeciesWithMoment> = std::tuple{
     param("spin", &SpeciesWithMoment::spin, "spin quantum number, 1/2 to 9/2, e.g. 3/2"),
     param("", &SpeciesWithMoment::moment, "the moment"),
     param("electric_dipole_moment", &SpeciesWithMoment::electric_dipole_moment, Dimension::electric_dipole,
-          range::any, "d along the spin, in H = -d sigma.E of a neutral particle", 0.0),
+          range::any, "d along the spin of a neutral particle, in H = -d sigma.E with sigma = S/(I hbar)",
+          0.0),
     param("source", &SpeciesWithMoment::source, "where these constants come from",
           std::string_view{"the beamline file"}),
 };

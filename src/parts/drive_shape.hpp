@@ -49,9 +49,11 @@ struct PhaseGradient {
 template <>
 inline constexpr auto parameters<PhaseGradient> = std::tuple{
     param("x", &PhaseGradient::x, Dimension::angle_per_length, range::any,
-          "by how much the phase is ahead towards +x", 0.0),
+          "by how much the phase is ahead towards +x; of a rotating field its azimuth, whatever the sense",
+          0.0),
     param("z", &PhaseGradient::z, Dimension::angle_per_length, range::any,
-          "by how much the phase is ahead towards +z", 0.0),
+          "by how much the phase is ahead towards +z; of a rotating field its azimuth, whatever the sense",
+          0.0),
 };
 struct AmplitudeGradient {
   double x = 0, z = 0;  // [1/m]

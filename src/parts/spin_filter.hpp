@@ -28,7 +28,8 @@ struct SpinFilter {
 template <>
 inline constexpr auto parameters<SpinFilter> = std::tuple{
     param("axis", &SpinFilter::axis,
-          "axis of the spin S (not of the moment) that is asked for; not of atoms with levels"),
+          "axis of the spin S (not of the moment) that is asked for; under `quantum` of spin 1/2; not of "
+          "atoms with levels"),
     param("levels", &SpinFilter::levels,
           "of an atom: the levels that pass as `up` says, such as [F=1 m=+1, F=1 m=0]; the others pass as "
           "`down` "

@@ -1,4 +1,5 @@
 // Errors as Python's exceptions: their text is what the command line prints, with line and caret.
+#include <stdexcept>
 #include <utility>
 
 #include "python/bindings.hpp"
@@ -44,6 +45,8 @@ void add_errors(py::module_& module) {
       PyErr_SetObject(input_error.ptr(), made.ptr());
     } catch (const StorageError& error) {
       PyErr_SetString(storage_error.ptr(), error.what());
+    } catch (const std::invalid_argument& error) {
+      PyErr_SetObject(PyExc_ValueError, text_of(printable(error.what())).ptr());
     }
   });
 }

@@ -14,7 +14,7 @@
 namespace rabiline {
 namespace {
 
-/// The fields that reach over a place; `of_drives`: those with a clock alone.
+/// The fields that reach over a place; `of_drives`: those with a clock alone, where there are any.
 std::vector<const PlacedPart*> fields_at(const Beamline& beamline, double y, bool of_drives) {
   std::vector<const PlacedPart*> out;
   for (const PlacedPart& part : beamline.parts) {
@@ -22,7 +22,7 @@ std::vector<const PlacedPart*> fields_at(const Beamline& beamline, double y, boo
     if ((of_drives ? traits.drives : traits.field) && part.placement.at <= y && y < end_of(part))
       out.push_back(&part);
   }
-  return out;
+  return of_drives && out.empty() ? fields_at(beamline, y, false) : out;
 }
 
 /// Every kernel has room for so many fields at one place.
@@ -97,10 +97,9 @@ void check_phases(const Beamline& beamline, const Species& species, const Sectio
   for (const SpinZone& zone : zones_needed(beamline, species, sections, zones)) {
     const double phase = zones.phase_behind(zone);
     if (phase <= most_phase) continue;
-    const std::string& name =
-        fields_at(beamline, (zone.begin + zone.end) / 2, zone.drives > 0).back()->placement.name;
+    const PlacedPart& part = *fields_at(beamline, (zone.begin + zone.end) / 2, zone.drives > 0).back();
     out.push_back(
-        {name, zone.drives > 0 ? "frequency" : "field",
+        {part.placement.name, traits_of(part.part).drives ? "frequency" : "field",
          fmt::format("{} would turn by {:.2g} radians before a particle leaves the field at {}: more "
                      "than {:.0e}, beyond which its phase is no longer known",
                      species.name, phase, metres(zone.end), most_phase),

@@ -120,7 +120,7 @@ double precession_of(const SpinZone& zone) {
 }
 
 /// What the rotating-wave approximation leaves out: the other half of the field shifts the resonance by
-/// f0 (w1/w0)^2/4 (Bloch and Siegert 1940).
+/// f0 (w1/w0)^2/4 (Bloch and Siegert 1940), by less where a profile makes it weaker towards its ends.
 void explain_neglected(const SpinZone& zone, PlanReport& report) {
   for (const PlacedPart& part : report.beamline.parts) {
     const auto* field = std::get_if<OscillatingField>(&part.part);
@@ -134,10 +134,11 @@ void explain_neglected(const SpinZone& zone, PlanReport& report) {
     const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4,
                  width = 1 / report.flight.time(zone.begin, zone.end);
     report.line(
-        "{:>16}{}: rotating-wave approximation; the half left out would shift the resonance by {} ({:.2g} "
+        "{:>16}{}: rotating-wave approximation; the half left out would shift the resonance by {}{} ({:.2g} "
         "of "
         "1/T)",
-        "", part.placement.name, pretty_quantity(shift, Dimension::frequency), shift / width);
+        "", part.placement.name, std::holds_alternative<RectangularProfile>(field->profile) ? "" : "up to ",
+        pretty_quantity(shift, Dimension::frequency), shift / width);
   }
 }
 

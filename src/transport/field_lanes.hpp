@@ -265,12 +265,18 @@ struct FieldStepper {
     return next_face(2.0 * sqrt(max(dot(here, here), dot(ahead, ahead))), most);
   }
 
-  /// The state where a lane first comes to `plane` within its next step of the length h.
+  /// The state where a lane first comes to `plane` within its next step of the length h, or comes back to it.
   inline State at_plane(const State& before, real h, real plane) const {
-    real length = max(broadcast(0), min(h, (plane - before.place.y) / before.velocity.y));
+    const real way = plane - before.place.y, speed = before.velocity.y;
+    real length = max(broadcast(0), min(h, way / speed));
     const Influence first = begin(before);
-    mask settled{};  // stays as it is, whatever the other lanes still need
-    for (int i = 0; i < 8 && !all(settled); ++i) {
+    if (const mask away = way * speed <= broadcast(0); any(away)) {
+      const real moved = better(h, before, first).place.y - before.place.y, straight = speed * h;
+      const mask returns = away & (speed * (moved - way) < broadcast(0));
+      length = select(returns, straight * h / select(returns, straight - moved, broadcast(1)), length);
+    }
+    mask settled{};                                  // stays as it is, whatever the other lanes still need
+    for (int i = 0; i < 24 && !all(settled); ++i) {  // each halves it at least, near the top of a path
       const State there = better(length, before, first);
       const real newton = max(broadcast(0), min(h, length + (plane - there.place.y) / there.velocity.y));
       const real next = select((there.velocity.y != broadcast(0)) & ~settled, newton, length);

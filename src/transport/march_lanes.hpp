@@ -30,9 +30,12 @@ RABILINE_LANES OnWay choose(mask m, const OnWay& a, const OnWay& b) {
   return {select(m, a.tau, b.tau), select(m, a.y, b.y), select(m, a.speed, b.speed)};
 }
 
+constexpr int most_bisections = 60;  // two or three steps of Newton's do for nearly all
+
 /// When a lane that is on one side of a plane at `low` and on the other at `high` crosses it: Newton's
-/// iteration between the two, from the cubic tau(y) through both. It stops behind a correction below 2e-7 of
-/// the span, since the next one is of the order of its square.
+/// iteration between the two, from the cubic tau(y) through both, or where the lane has left that plane at
+/// `low` and comes back to it, from a parabola, with bisections where that leads out of them. It stops behind
+/// a correction below 2e-7 of the span, since the next one is of the order of its square.
 template <class Curve>
 RABILINE_LANES real time_of_crossing(const Curve& curve, real span, mask chosen, const OnWay& low,
                                      const OnWay& high, real plane) {
@@ -43,9 +46,12 @@ RABILINE_LANES real time_of_crossing(const Curve& curve, real span, mask chosen,
   const real cubic = fma(u * u * fma(broadcast(-2), u, broadcast(3)), time,
                          u * rest * (rest * slope(low.speed) - u * slope(high.speed)));
   real first = low.tau, last = high.tau;
-  real tau = max(first, min(last, low.tau + cubic));
+  const real straight = low.speed * time;
+  const mask returns = (low.y == plane) & (straight * way < broadcast(0));
+  real tau = low.tau + select(returns, straight * time / select(returns, straight - way, one), cubic);
+  tau = max(first, min(last, tau));
   mask seeking = chosen;
-  for (int i = 0; i < 8 && any(seeking); ++i) {
+  for (int i = 0; i < most_bisections && any(seeking); ++i) {
     const Motion m = curve.motion(tau);
     const mask before = (m.place.y < plane) == rises;
     first = select(before, tau, first);

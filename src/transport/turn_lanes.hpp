@@ -231,11 +231,18 @@ struct Stepper {
 };
 
 /// The state at the edge that a lane crosses within its next step: Newton's iteration on the length of a
-/// shorter step, started from the straight line. Six iterations leave rounding errors for steps that turn v
-/// by less than half a radian.
+/// shorter step, started from the middle, or from a parabola where the lane has just left that edge and comes
+/// back to it. Six iterations leave rounding errors for steps that turn v by less than half a radian, but
+/// near the top of a path.
 inline State to_edge(const Stepper& stepper, const State& before, real h, real edge) {
   real length = h * 0.5;
-  for (int i = 0; i < 6; ++i) {
+  const real way = edge - before.place.y, straight = before.velocity.y * h;
+  if (const mask away = way * straight <= broadcast(0); any(away)) {
+    const real moved = stepper.step(stepper.steps_of(h), before).place.y - before.place.y;
+    const mask returns = away & (straight * (moved - way) < broadcast(0));
+    length = select(returns, straight * h / select(returns, straight - moved, broadcast(1)), length);
+  }
+  for (int i = 0; i < 24; ++i) {
     const State at = stepper.step(stepper.steps_of(length), before);
     const real newton = max(broadcast(0), min(h, length + (edge - at.place.y) / at.velocity.y));
     const real better = select(at.velocity.y != broadcast(0), newton, length);

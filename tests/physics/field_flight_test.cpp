@@ -258,5 +258,46 @@ TEST(FreeFall, GoesOnThroughFieldsAndMagnetsAndTurnedPaths) {
   EXPECT_NEAR(z_behind(QuantumLaw{}, sextupole), fallen, 1e-9);
 }
 
+/// A flight upwards ends where it began, whichever planes it passes shortly below its top: v0^2 = 2 g times
+/// its height.
+TEST(FreeFall, ComesBackThroughAPlaneThatItHasJustPassed) {
+  const double g = 9.81, first = 0.1, edge = 1.1;
+  const auto both = [&](double size, FieldGradient gradient) {
+    return std::vector<PlacedPart>{place("below", first, field_with(edge - first, size, gradient)),
+                                   place("above", edge, field_with(1, size / 2, gradient))};
+  };
+  const std::pair<Law, std::vector<PlacedPart>> cases[]{{ClassicalLaw{}, both(1e-7, {})},
+                                                        {ClassicalLaw{}, both(1e-9, {.quadrupole = 1e-9})},
+                                                        {DoradoLaw{.kappa = 1e-6}, both(1e-7, {})}};
+  for (const auto& [law, parts] : cases)
+    for (const double above : {1e-9, 1e-6, 1e-4, 2e-3, 8e-3, 0.05}) {
+      Beamline b = neutrons(law, parts);
+      const double speed = std::sqrt(2 * g * (edge + above));
+      b.source.speed = SingleSpeed{speed};
+      b.gravity = Gravity{g, {0, -1, 0}};
+      const Track t = trace(b, 0, best_isa());
+      EXPECT_EQ(t.fate, "left_backwards") << t.law << above;
+      EXPECT_NEAR(t.vy.back(), -speed, 1e-6) << t.law << above;
+      EXPECT_NEAR(t.t.back(), 2 * speed / g, 1e-6) << t.law << above;
+    }
+}
+
+/// A charge between plates comes back with the speed that it had.
+TEST(ElectricField, SendsBackWhatHasJustEnteredIt) {
+  for (const double strength : {1e3, 1e4, 1e5, 1e6, 1e7}) {  // turns it within 52 mm to 5 um
+    ElectricField plates;
+    plates.length = 0.5;
+    plates.field = -strength;
+    plates.direction = {0, 1, 0};
+    Beamline b =
+        neutrons(ClassicalLaw{}, {place("below", 0.2, field_with(0.3, 1e-9, {})), place("E", 0.5, plates)});
+    b.species = {{*find_species("proton"), 1}};
+    b.source.speed = SingleSpeed{1e5};
+    const Track t = trace(b, 0, best_isa());
+    EXPECT_EQ(t.fate, "left_backwards") << strength;
+    EXPECT_NEAR(t.vy.back() / -1e5, 1, 1e-6) << strength;
+  }
+}
+
 }  // namespace
 }  // namespace rabiline::test::field_flight_test

@@ -268,7 +268,7 @@ def test_images_get_the_size_that_is_asked_for_and_letters_that_fit(folder: Path
         across, up = (pixels / 200 * 25.4 for pixels in image.size)
     assert across <= 200.2 and up <= 120.2 and (across > 199 or up > 119)
     assert main(["plot-image", str(folder / "dorado.h5"), "--size", "60x40", "-o", str(picture)]) == 2
-    assert "is the least of this shape" in capsys.readouterr().err
+    assert "or more is needed in this shape" in capsys.readouterr().err
 
 
 def test_a_scan_over_laws_alone_is_drawn_as_profiles(folder: Path) -> None:

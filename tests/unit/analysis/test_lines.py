@@ -105,7 +105,7 @@ def test_what_is_no_form_is_refused() -> None:
         fit_line(X[:5], X[:5], np.eye(5), "ramsey")
 
 
-def test_centres_become_fields_and_moments_with_their_covariance() -> None:
+def test_centres_become_fields_and_gyromagnetic_ratios_with_their_covariance() -> None:
     x = np.linspace(280e3, 304e3, 241)
     y = 1 - 0.5 * lorentz(x - 288e3, 1500.0) - 0.3 * lorentz(x - 295e3, 1500.0)
     fitted = fit_line(x, y, np.eye(x.size) * 1e-6, "lorentz", lines=2)
@@ -114,6 +114,7 @@ def test_centres_become_fields_and_moments_with_their_covariance() -> None:
     assert sorted(float(field.split()[1]) for field in fields) == pytest.approx([9.8750, 10.1150], abs=2e-3)  # mT
     g = derived(fit_line(x, 1 - 0.5 * lorentz(x - 291.646935e3, 1500.0), np.eye(x.size) * 1e-6, "lorentz"), "Hz", None, 10e-3)
     assert float(g[1].split()[1]) == pytest.approx(3.826085, abs=2e-4) and "nuclear magnetons" in g[1]
+    assert g[0].startswith("γ/2π ") and float(g[0].split()[1]) == pytest.approx(29.1646935e6, abs=2e3) and g[0].endswith("Hz/T")
 
 
 def test_lines_are_numbered_by_rising_centre_whichever_is_deeper() -> None:

@@ -29,7 +29,7 @@ def only(file: results.Results) -> Curve:
     return curve
 
 
-@pytest.mark.parametrize("reach", [700.0, 1000.0, 1500.0])
+@pytest.mark.parametrize("reach", [180.0, 220.0, 260.0, 300.0, 700.0, 1000.0, 1500.0])
 def test_the_width_of_a_fringe_does_not_hang_on_where_the_scan_ends(tmp_path: Path, reach: float) -> None:
     """Half way between the fringe and the minima beside it, whatever the baseline at the ends of the scan is."""
     x = np.linspace(-reach, reach, 301)
