@@ -204,6 +204,7 @@ class Experiment:
         from .apparatus import draw_apparatus
         from .picture_options import drawn
         paths = None if paths is None else asked.whole_number("paths", paths, 0, asked.MOST_TRACKS)
+        title = None if title is None else asked.text("`title`", title)
         with as_keywords():
             return drawn(lambda: draw_apparatus(self, paths, title), output, size, dpi)
 

@@ -90,7 +90,7 @@ def _pair(made: Templates, beam: Beam, one: int, other: int) -> Iterable[str]:
     yield f"  as many counts as simulated, {made.emitted[0]:.6g} particles at each point (mean, which is AIC's " \
           "difference too, ± Monte Carlo error)"
     for i, way in enumerate(apart):
-        yield f"    {names[i]} true: -2 ln(L_other/L_true) = {way.q:.6g} ± {way.error:.2g}, " \
+        yield f"    {names[i]} true: -2 ln(L_other/L_true) = {format_value(way.q, '', way.error)}, " \
               f"{_sigmas(way.significance(1.0)) if way.told else 'not told apart'}"
     ways = [separation(a, b), separation(b, a)]
     yield f"  {SIGMAS:g} sigma in half of the measurements takes"
@@ -153,7 +153,7 @@ def _where(made: Templates, a: Model, b: Model, way: Separation, names: list[str
         yield f"  half of it is in {prefix}{places[0] if places else 'the one number of counts'}"
         yield from (f"    {place}" for place in places[1:])
         overlap = np.minimum(a.expected, b.expected)[own].sum() / (a.expected + b.expected)[own].sum() * 2
-        yield f"    what both expect overlaps by {overlap:.4%}"
+        yield f"    what both expect overlaps by {100 * overlap:.3g} %"
 
 
 def _half(shares: np.ndarray) -> np.ndarray:

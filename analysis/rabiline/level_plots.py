@@ -121,25 +121,27 @@ def _by_m(labels: Sequence[str], levels: Sequence[int]) -> dict[int, Look]:
 
 def _draw_row(axes: Axes, row: Curve, levels: Levels, scale: Scale, looks: dict[int, Look]) -> float:
     """The levels that this row has: a law may not know those of another. Lines break where nothing was detected, and over
-    gaps of the scan; over names levels stand side by side. Gives back how far up they reach."""
-    x, top = scale.apply(row.x), 0.0
+    gaps of the scan; over names levels stand side by side. What another would hide is drawn larger. Gives back how far up
+    they reach."""
+    x, top, fractions = scale.apply(row.x), 0.0, levels.fractions[row.points]
     for number, (i, look) in enumerate(looks.items()):
-        y, errors = levels.fractions[row.points, i], levels.errors[row.points, i]
+        y, errors = fractions[:, i], levels.errors[row.points, i]
         known = np.isfinite(y)
         if not known.any():
             continue
+        hidden = 0 if row.axis.labels else sum(np.allclose(y, fractions[:, other], 0, 5e-3, equal_nan=True) for other in [*looks][number + 1:])
         top = max(top, float((y + errors)[known].max()))
         small = style.SMALLER**2 if axes.figure.get_figwidth() < style.NARROW else 1.0
-        symbols = {"color": look.colour, "marker": look.marker, "markersize": 2 * SYMBOL if row.axis.labels else small * SYMBOL,
+        symbols = {"color": look.colour, "marker": look.marker, "markersize": 2 * SYMBOL if row.axis.labels else small * SYMBOL * (1 + 0.6 * min(hidden, 2)),
                    "markerfacecolor": "white" if look.open else look.colour, "markeredgewidth": 0.8 if look.open else 0}
         label = style.level(levels.labels[i]).replace("S_z", "$S_z$")
         at = x + BESIDE * ((number + 0.5) / len(looks) - 0.5) if row.axis.labels else x
         axes.errorbar(at[known], y[known], errors[known], color=look.colour, linestyle="none", elinewidth=0.9)
         for run in runs_of(row.x):
-            axes.plot(at[run], y[run], linewidth=1.1, linestyle="none" if row.axis.labels else "--" if look.open else "-", label=label, **symbols)
+            axes.plot(at[run], y[run], linewidth=1.1 + min(hidden, 2), linestyle="none" if row.axis.labels else "--" if look.open else "-", label=label, **symbols)
             label = None
     if top == 0:
-        missing = "none in these levels" if np.nansum(levels.fractions[row.points]) > 0 else "nothing detected"
+        missing = "none in these levels" if np.nansum(fractions) > 0 else "nothing detected"
         axes.text(0.5, 0.5, missing, transform=axes.transAxes, ha="center")
         axes.update_datalim(np.column_stack([x, np.zeros(x.size)]))
     axes.margins(x=0.1 if row.axis.labels else 0.02)

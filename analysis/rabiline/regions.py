@@ -50,7 +50,7 @@ def shade(axes: Axes, regions: Sequence[Region], named: bool) -> int:
                      linewidth=0 if region.end > region.begin else 0.8, zorder=0)  # a coil has a place, and no edges
         if not named:
             continue
-        left, right = axes.get_xlim()
+        left, right = sorted(axes.get_xlim())  # an axis may run downwards
         begin, end = max(region.begin, left), min(region.end, right)
         half = 0.5 * (len(region.name) + 1) * LETTER / axes.figure.get_figwidth() * (right - left)
         middle = min(max((begin + end) / 2, left + half), right - half)

@@ -93,6 +93,10 @@ def _extent(axis: Axis) -> str:
     return f"{axis.text(axis.values.min())}, 1 point" if axis.values.size == 1 else f"{axis.text(axis.values.min())} to {axis.text(axis.values.max())}, {axis.values.size} points"
 
 
+def _range(low: float, high: float) -> str:
+    return f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
+
+
 def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
     scan = results.scan
     for detector in detectors:
@@ -100,10 +104,11 @@ def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
         yield f"detector {detector}" + (f", {label}" if (label := labels_of(results)[detector]) != detector else "")
         if scan.detected_of_all is not None:
             low, high = scan.detected_of_all[number].min(), scan.detected_of_all[number].max()
-            yield f"  detected     {low:.6g} to {high:.6g} of all that leave the source"
+            yield f"  detected     {_range(low, high)} of all that leave the source"
         if scan.count_rate is not None:
             low, high = scan.count_rate[number].min(), scan.count_rate[number].max()
-            yield f"  counts       {low:.6g} to {high:.6g} 1/s, with the background"
+            background = ", with the background" if results.detectors[detector].background else ""
+            yield f"  counts       {_range(low, high)} 1/s{background}"
         if not scan.axes:
             fraction = format_value(scan.detected[number, 0], "", scan.errors[number, 0])
             yield f"  {law_name(results.laws[0])}: {fraction} of emitted"

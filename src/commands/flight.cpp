@@ -39,13 +39,13 @@ std::string told_of_stop(const Path& kept, const std::string& how) {
                      checkpoint_of(kept).string(), how, quoted(kept));
 }
 
-/// Another name in that folder, `a-2.h5` for `a.h5`, where that has a result or a checkpoint already.
+/// Another name in that folder, `a.1.h5` for `a.h5`, where that has a result or a checkpoint already.
 Path untaken(const Path& place) {
   std::error_code error;
   Path name = place;
-  for (int n = 2; std::filesystem::exists(name, error) || std::filesystem::exists(checkpoint_of(name), error);
+  for (int n = 1; std::filesystem::exists(name, error) || std::filesystem::exists(checkpoint_of(name), error);
        ++n)
-    name = place.parent_path() / fmt::format("{}-{}{}", place.stem().string(), n, place.extension().string());
+    name = numbered(place, n);
   return name;
 }
 

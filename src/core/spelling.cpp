@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <charconv>
 #include <optional>
 
@@ -55,6 +56,28 @@ std::string unit_in(std::string_view quantity) {
       found = unit.symbol;
   }
   return found;
+}
+
+std::string without_thousands(std::string_view quantity) {
+  const auto is_digit = [&](std::size_t i) {
+    return i < quantity.size() && std::isdigit(static_cast<unsigned char>(quantity[i]));
+  };
+  std::string out;
+  for (std::size_t i = 0; i < quantity.size(); ++i) {
+    const bool stands_between =
+        i > 0 && is_digit(i - 1) && is_digit(i + 1) && is_digit(i + 2) && is_digit(i + 3) && !is_digit(i + 4);
+    const bool separates =
+        quantity[i] == '_' ||
+        (stands_between && std::string_view(". '").find(quantity[i]) != std::string_view::npos);
+    if (!separates) out += quantity[i];
+  }
+  return out;
+}
+
+bool has_point_before_thousands(std::string_view number) {
+  const std::size_t point = number.find('.');
+  return point > 0 && point <= 3 && number.front() != '0' && number.size() == point + 4 &&
+         number.find_first_not_of("0123456789.") == number.npos;
 }
 
 }  // namespace rabiline

@@ -323,9 +323,9 @@ std::string as_numbers_are_written(std::string_view text, std::string_view rest,
                              before, behind)
                        : fmt::format("numbers have a decimal point: write `{}.{}`", before, behind);
   }
-  std::string plain(text);
-  std::erase(plain, '_');
-  if (rest.front() == '_' && is_quantity(plain)) return fmt::format("write `{}`", plain);
+  if (const std::string plain = without_thousands(text); plain != text && is_quantity(plain))
+    return fmt::format("{}write `{}`",
+                       rest.front() == '_' ? "" : "nothing stands between thousands: ", plain);
   if (wanted == Dimension::number) return "write digits with a point, such as `0.5`";
   return fmt::format("write digits with a point and a power of ten, then the unit: `1.5e-3 {}`",
                      si_unit_of(wanted.value_or(Dimension::length)));

@@ -148,8 +148,10 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
 }
 
 bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_t& out) {
-  const std::optional<std::uint64_t> value = node.is_scalar() ? whole_number(node.scalar) : std::nullopt;
-  if (!value && node.is_scalar() && is_whole(node.scalar)) {
+  const bool ambiguous = node.is_scalar() && has_point_before_thousands(node.scalar);
+  const std::optional<std::uint64_t> value =
+      node.is_scalar() && !ambiguous ? whole_number(node.scalar) : std::nullopt;
+  if (!value && !ambiguous && node.is_scalar() && is_whole(node.scalar)) {
     const bool in_range =
         !is_all_digits(node.scalar) && row.range.contains(parse_quantity(node.scalar).value);
     reading.error(
@@ -164,7 +166,8 @@ bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_
     reading.error(
         node.place,
         fmt::format("`{}` is a whole number without a unit, but {} stands here", row.key, quote(node)),
-        row.key == "seed" ? "write any, such as `1`: the same seed makes the same result again"
+        ambiguous ? fmt::format("write `{0}` or `{0}000`", node.scalar.substr(0, node.scalar.find('.')))
+        : row.key == "seed" ? "write any, such as `1`: the same seed makes the same result again"
         : node.is_scalar() && node.scalar.find(',') != std::string::npos
             ? "numbers have no commas between thousands: write it like `10000` or `1e4`"
             : "write it like `10000` or `1e4`");

@@ -24,6 +24,7 @@ class Variables {
 
  private:
   static constexpr std::size_t longest = 10000;  // text with its variables
+  static constexpr std::size_t suggested = 100;  // of more that are not there no more is shown
   static constexpr std::size_t deepest = 100;
   enum class State { unread, open, done };
   struct Variable {
@@ -94,7 +95,8 @@ class Variables {
       return nullptr;
     }
     std::vector<std::string> known;
-    for (const Variable& variable : values_) known.push_back(variable.entry->key);
+    if (++unknown_ <= suggested)
+      for (const Variable& variable : values_) known.push_back(variable.entry->key);
     const std::string near = closest(name, known);
     reading_.error(place, fmt::format("there is no variable `{}`", name),
                    near.empty() ? fmt::format("state it at the top of the file: `variables: {{{}: 2 mT}}`",
@@ -105,7 +107,7 @@ class Variables {
 
   Reading& reading_;
   std::vector<Variable> values_;
-  std::size_t put_ = 0, depth_ = 0;
+  std::size_t put_ = 0, depth_ = 0, unknown_ = 0;
 };
 
 bool has_text(const Node& node, const std::string& text) {

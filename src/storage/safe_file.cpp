@@ -140,12 +140,14 @@ Path resolved(const Path& path) {
   return target;
 }
 
+Path numbered(const Path& path, int number) {
+  return path.parent_path() / fmt::format("{}.{}{}", path.stem().string(), number, path.extension().string());
+}
+
 Path back_up(const Path& path) {
   const Path target = resolved(path);
   for (int number = 1; std::filesystem::exists(target); ++number) {
-    Path second = target;
-    second.replace_filename(
-        fmt::format("{}.{}{}", target.stem().string(), number, target.extension().string()));
+    const Path second = numbered(target, number);
     std::error_code error;
     std::filesystem::create_hard_link(target, second, error);
     if (!error) return second;

@@ -18,6 +18,8 @@ void require_writable(const std::filesystem::path&);
 /// Where the bytes go: links are followed, so that they stay links, even to what is not there yet.
 std::filesystem::path resolved(const std::filesystem::path&);
 
+/// result.3.h5 for result.h5, in the same folder.
+std::filesystem::path numbered(const std::filesystem::path&, int number);
 /// Gives what is there a second name, result.1.h5 for result.h5, or the first number that is free. Empty
 /// where nothing is there.
 std::filesystem::path back_up(const std::filesystem::path&);

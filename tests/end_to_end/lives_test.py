@@ -277,6 +277,23 @@ def test_an_input_is_no_place_for_checkpoints(tmp_path: Path) -> None:
     assert experiment.exists()
 
 
+def test_sums_stay_under_another_name_where_that_is_taken(tmp_path: Path) -> None:
+    folder, here = tmp_path / "folder", tmp_path / "here"
+    here.mkdir()
+    taken = {here / "a.h5": b"a result", here / "a.1.h5.checkpoint": b"what another run left"}
+    for path, content in taken.items():
+        path.write_bytes(content)
+    folder.mkdir()
+    process = subprocess.Popen([PROGRAM, "run", str(EXPERIMENT), "-o", str(folder / "a.h5"), *MORE, "--progress", "json"],
+                               text=True, stderr=subprocess.PIPE, cwd=here)
+    assert '"done"' in process.stderr.readline()
+    folder.rename(tmp_path / "elsewhere")
+    _, said = process.communicate(timeout=600)
+    assert process.returncode == NOT_WRITTEN and f"all that has flown is in {here / 'a.2.h5.checkpoint'}; write the result with" in said
+    assert rabiline("resume", "a.2.h5", cwd=here).returncode == DONE
+    assert all(path.read_bytes() == content for path, content in taken.items())
+
+
 @pytest.mark.slow
 def test_a_run_killed_at_random_moments_ends_with_the_same_bits(tmp_path: Path) -> None:
     draw = random.Random(1938)

@@ -197,3 +197,10 @@ def test_a_table_has_the_title_in_one_line_whatever_breaks_it(tmp_path: Path, re
     named = {**file.detectors, "D\n1": next(iter(file.detectors.values()))}
     replace(file, detectors=named, scan=replace(file.scan, detectors=("D\n1",))).to_csv(tmp_path / "b.csv")
     assert len((tmp_path / "b.csv").read_text().splitlines()) == len((tmp_path / "a.csv").read_text().splitlines())
+
+
+def test_no_message_steers_a_terminal(tmp_path: Path) -> None:
+    evil = "\x1b]0;x\x07\u202e\x9b"
+    for problem in (InputError(evil), StorageError(evil), FileError(tmp_path / evil, evil), UnreadableFile(tmp_path / evil, evil)):
+        assert not set(evil[:1] + evil[4:]) & set(str(problem)) and "?]0;x??" in str(problem)
+    assert str(InputError("µ: one line\n\tand another")) == "µ: one line\n\tand another"
