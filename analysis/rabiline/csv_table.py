@@ -60,7 +60,7 @@ def read_table(source: Path | str | pandas.DataFrame) -> Table:
     TypeError for what is neither."""
     path, lines = _lines_of(source)
     rows = [(number, _cells(path, number, line)) for number, line in enumerate(lines, 1)
-            if line.strip(" \t,") and not line.lstrip().startswith("#")]
+            if line.strip(" \t,") and not line.lstrip().startswith("#") and line.strip() != "sep=,"]  # which is for Excel
     if not rows:
         raise FileError(path, "an empty table")
     header, names = rows[0]

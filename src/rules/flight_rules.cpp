@@ -98,12 +98,14 @@ void check_phases(const Beamline& beamline, const Species& species, const Sectio
     const double phase = zones.phase_behind(zone);
     if (phase <= most_phase) continue;
     const PlacedPart& part = *fields_at(beamline, (zone.begin + zone.end) / 2, zone.drives > 0).back();
+    const std::string atom = atom_called(species);
     out.push_back(
         {part.placement.name, traits_of(part.part).drives ? "frequency" : "field",
          fmt::format("{} would turn by {:.2g} radians before a particle leaves the field at {}: more "
                      "than {:.0e}, beyond which its phase is no longer known",
                      species.name, phase, metres(zone.end), most_phase),
-         "make the field or the frequency smaller, or the particles faster"});
+         "make the field or the frequency smaller, or the particles faster" +
+             (atom.empty() ? atom : fmt::format(", or fly `{}`, which has levels", atom))});
     return;
   }
 }

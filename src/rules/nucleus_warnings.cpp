@@ -67,12 +67,6 @@ double finest_of(const Beamline& beamline) {
   return finest;
 }
 
-/// The atom of which a species is the nucleus; empty where there is none here.
-std::string atom_called(const Species& species) {
-  const std::string atom = species.name + " atom";
-  return !species.structure && find_species(atom) ? atom : std::string();
-}
-
 }  // namespace
 
 Faults nuclei_among_atoms_of(const Beamline& beamline) {

@@ -37,6 +37,8 @@ inline std::string key_of_species(std::size_t number, std::string_view key) {
 bool is_quantum(const Beamline&);
 /// The first species with levels, or null.
 const Species* atom_of(const Beamline&);
+/// The atom of which a species is the nucleus; empty where there is none here.
+std::string atom_called(const Species&);
 /// Of an atom: levels that it has, each named once; the key is that of the list.
 void check_named_levels(const Beamline&, std::span<const LevelName>, const std::string& subject,
                         const std::string& key, Faults&);

@@ -30,6 +30,11 @@ const Species* atom_of(const Beamline& beamline) {
   return nullptr;
 }
 
+std::string atom_called(const Species& species) {
+  const std::string atom = species.name + " atom";
+  return !species.structure && find_species(atom) ? atom : std::string();
+}
+
 bool turns_paths(const Beamline& beamline) {
   const LawTraits law = law_traits(beamline.law);
   if (!law.has_forces) return law.kappa != 0;

@@ -43,8 +43,8 @@ void check_kind(const Beamline& beamline, bool names_levels, bool names_axis, Fa
     const Species& species = component.species;
     if (names_levels && !species.structure)
       return add(fmt::format("the species `{}` has one moment and no levels of two spins", species.name),
-                 find_species(species.name + " atom") != nullptr
-                     ? fmt::format("write `species: {} atom` for the atom with its electron", species.name)
+                 !atom_called(species).empty()
+                     ? fmt::format("write `species: {}` for the atom with its electron", atom_called(species))
                      : "its levels m are given by `{kind: populations, values: [...]}`");
     if (names_axis && species.structure && quantum)
       return add(fmt::format("the levels of `{}` are no levels of one spin along an axis", species.name),

@@ -44,3 +44,8 @@ def test_pandas_is_imported_only_by_who_has_a_frame(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("f [kHz],counts\n1,2\n2,3\n")
     code = f"from rabiline.counts import read_counts; read_counts({str(tmp_path / 'a.csv')!r}); import sys; print('pandas' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+
+
+def test_the_line_that_tells_a_spreadsheet_of_its_commas_is_no_row(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("sep=,\nf [kHz],counts\n29.1,812\n29.2,790\n")
+    assert read_counts(tmp_path / "a.csv").counts.tolist() == [812, 790]
