@@ -62,7 +62,7 @@ def report(fit: CountsFit) -> Iterable[str]:
     yield f"  chi² {fit.chi_squared:.1f} for {freedom_in_words(fit.freedom)}, {p_in_words(fit.p)}" if fit.freedom > 0 else \
         "  as many parameters as points: nothing is left that could tell whether the experiment describes these counts"
     yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
-    if fit.share_of_simulation > 0.2:
+    if fit.share_of_simulation > 0.2 and not fit.degenerate:
         wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.999)) * fit.particles
         name = fit.names[int(np.argmax(fit.shares_of_simulation))]
         yield (f"  {fit.share_of_simulation:.0%} of the variance of {name} comes from the simulation itself: {wanted:.2g} `particles` would make that "

@@ -17,7 +17,8 @@ namespace rabiline {
 namespace {
 
 constexpr std::array<const char*, 3> places{"x", "y", "z"};
-constexpr double largest = 1e30;  // that a formula comes to, in SI: what is worked out with it stays finite
+constexpr double largest_value =
+    1e30;  // that a formula comes to, in SI: what is worked out with it stays finite
 
 double squared(double x) { return x * x; }
 double power(double x, double y) {
@@ -215,10 +216,10 @@ double FormulaComponent::at(const std::array<double, 3>& place, double t) {
   parser_->place = place;
   parser_->t = t;
   const double value = parser_->read.Eval();
-  if (!(std::abs(value) <= largest))
+  if (!(std::abs(value) <= largest_value))
     throw parser_->of_all(fmt::format("the formula has no finite value, or one beyond {:g}, at x = {:.4g} m, "
                                       "y = {:.4g} m, z = {:.4g} m",
-                                      largest, place[0], place[1], place[2]),
+                                      largest_value, place[0], place[1], place[2]),
                           "keep such places out of the box, or write the formula so that it is finite there");
   return value;
 }

@@ -147,7 +147,7 @@ Path numbered(const Path& path, int number) {
 Path back_up(const Path& path) {
   const Path target = resolved(path);
   for (int number = 1; std::filesystem::exists(target); ++number) {
-    const Path second = numbered(target, number);
+    Path second = numbered(target, number);
     std::error_code error;
     std::filesystem::create_hard_link(target, second, error);
     if (!error) return second;
