@@ -244,17 +244,24 @@ def test_checkpoints_are_written_as_often_as_was_asked(tmp_path: Path) -> None:
     assert done.returncode == STOPPED, done.stderr
 
 
-def test_sums_stay_where_the_result_cannot_be_written(tmp_path: Path, bits_of_more: dict[str, bytes]) -> None:
-    folder, here = tmp_path / "folder", tmp_path / "here"
+def said_without_a_folder(tmp_path: Path, here: Path) -> str:
+    """By a run that is started in `here`, and whose output's folder goes away."""
+    folder = tmp_path / "folder"
     folder.mkdir()
-    here.mkdir()
     process = subprocess.Popen([PROGRAM, "run", str(EXPERIMENT), "-o", str(folder / "a.h5"), *MORE, "--progress", "json"],
                                text=True, stderr=subprocess.PIPE, cwd=here)
     assert '"done"' in process.stderr.readline()
     folder.rename(tmp_path / "elsewhere")
     _, said = process.communicate(timeout=600)
-    assert process.returncode == NOT_WRITTEN and "nothing is lost" in said
-    assert f"{here / 'a.h5.checkpoint'}" in said
+    assert process.returncode == NOT_WRITTEN
+    return said
+
+
+def test_sums_stay_where_the_result_cannot_be_written(tmp_path: Path, bits_of_more: dict[str, bytes]) -> None:
+    here = tmp_path / "here"
+    here.mkdir()
+    said = said_without_a_folder(tmp_path, here)
+    assert "nothing is lost" in said and f"{here / 'a.h5.checkpoint'}" in said
     done = rabiline("resume", "a.h5", cwd=here)
     assert done.returncode == DONE, done.stderr
     assert bits(here / "a.h5") == bits_of_more
@@ -278,18 +285,13 @@ def test_an_input_is_no_place_for_checkpoints(tmp_path: Path) -> None:
 
 
 def test_sums_stay_under_another_name_where_that_is_taken(tmp_path: Path) -> None:
-    folder, here = tmp_path / "folder", tmp_path / "here"
+    here = tmp_path / "here"
     here.mkdir()
     taken = {here / "a.h5": b"a result", here / "a.1.h5.checkpoint": b"what another run left"}
     for path, content in taken.items():
         path.write_bytes(content)
-    folder.mkdir()
-    process = subprocess.Popen([PROGRAM, "run", str(EXPERIMENT), "-o", str(folder / "a.h5"), *MORE, "--progress", "json"],
-                               text=True, stderr=subprocess.PIPE, cwd=here)
-    assert '"done"' in process.stderr.readline()
-    folder.rename(tmp_path / "elsewhere")
-    _, said = process.communicate(timeout=600)
-    assert process.returncode == NOT_WRITTEN and f"all that has flown is in {here / 'a.2.h5.checkpoint'}; write the result with" in said
+    said = said_without_a_folder(tmp_path, here)
+    assert f"all that has flown is in {here / 'a.2.h5.checkpoint'}; write the result with" in said
     assert rabiline("resume", "a.2.h5", cwd=here).returncode == DONE
     assert all(path.read_bytes() == content for path, content in taken.items())
 
