@@ -100,7 +100,7 @@ class Printable:
 
     def write(self, text: str) -> int:
         """As that of the stream."""
-        return self._stream.write(printable(text))
+        return self._stream.write("\r".join(map(printable, text.split("\r"))))  # of progress lines
 
     def __getattr__(self, name: str) -> object:
         return getattr(self._stream, name)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import Iterator, Mapping, Sequence
 
 TURNING = (0x200e, 0x200f, *range(0x2028, 0x202f), *range(0x2066, 0x206a))  # characters that turn the direction of writing, or end lines
-CONTROL = {code: "?" for code in (*range(32), *range(127, 160), *range(0xd800, 0xe000), *TURNING) if chr(code) not in "\n\t\r"}
+CONTROL = {code: "?" for code in (*range(32), *range(127, 160), *range(0xd800, 0xe000), *TURNING) if chr(code) not in "\n\t"}
 VALUES = {"beside": "True", "in_space": "True", "size": "(width, height)"}  # of options in Python; all others are texts
 
 

@@ -267,4 +267,4 @@ def _why_not(path: Path) -> str:
 def _decoded(value: object) -> str:
     """A text without control characters, which would steer a terminal."""
     text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-    return printable(text).replace("\r", "?")
+    return printable(text)

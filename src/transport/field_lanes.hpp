@@ -271,9 +271,9 @@ struct FieldStepper {
     real length = max(broadcast(0), min(h, way / speed));
     const Influence first = begin(before);
     if (const mask away = way * speed <= broadcast(0); any(away)) {
-      const real moved = better(h, before, first).place.y - before.place.y, straight = speed * h;
+      const real moved = better(h, before, first).place.y - before.place.y;
       const mask returns = away & (speed * (moved - way) < broadcast(0));
-      length = select(returns, straight * h / select(returns, straight - moved, broadcast(1)), length);
+      length = select(returns, back_after(returns, speed, moved, h), length);
     }
     mask settled{};                                  // stays as it is, whatever the other lanes still need
     for (int i = 0; i < 24 && !all(settled); ++i) {  // each halves it at least, near the top of a path

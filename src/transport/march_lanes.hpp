@@ -46,9 +46,8 @@ RABILINE_LANES real time_of_crossing(const Curve& curve, real span, mask chosen,
   const real cubic = fma(u * u * fma(broadcast(-2), u, broadcast(3)), time,
                          u * rest * (rest * slope(low.speed) - u * slope(high.speed)));
   real first = low.tau, last = high.tau;
-  const real straight = low.speed * time;
-  const mask returns = (low.y == plane) & (straight * way < broadcast(0));
-  real tau = low.tau + select(returns, straight * time / select(returns, straight - way, one), cubic);
+  const mask returns = (low.y == plane) & (low.speed * way < broadcast(0));
+  real tau = low.tau + select(returns, back_after(returns, low.speed, way, time), cubic);
   tau = max(first, min(last, tau));
   mask seeking = chosen;
   for (int i = 0; i < most_bisections && any(seeking); ++i) {

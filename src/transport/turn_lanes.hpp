@@ -230,17 +230,24 @@ struct Stepper {
   }
 };
 
+/// How long lanes take to come back to a plane that they leave with that speed, by the parabola on which they
+/// have moved so far within h.
+RABILINE_LANES real back_after(mask returns, real speed, real moved, real h) {
+  const real straight = speed * h;
+  return straight * h / select(returns, straight - moved, broadcast(1));
+}
+
 /// The state at the edge that a lane crosses within its next step: Newton's iteration on the length of a
 /// shorter step, started from the middle, or from a parabola where the lane has just left that edge and comes
 /// back to it. Six iterations leave rounding errors for steps that turn v by less than half a radian, but
 /// near the top of a path.
 inline State to_edge(const Stepper& stepper, const State& before, real h, real edge) {
   real length = h * 0.5;
-  const real way = edge - before.place.y, straight = before.velocity.y * h;
-  if (const mask away = way * straight <= broadcast(0); any(away)) {
+  const real way = edge - before.place.y, speed = before.velocity.y;
+  if (const mask away = way * speed <= broadcast(0); any(away)) {
     const real moved = stepper.step(stepper.steps_of(h), before).place.y - before.place.y;
-    const mask returns = away & (straight * (moved - way) < broadcast(0));
-    length = select(returns, straight * h / select(returns, straight - moved, broadcast(1)), length);
+    const mask returns = away & (speed * (moved - way) < broadcast(0));
+    length = select(returns, back_after(returns, speed, moved, h), length);
   }
   for (int i = 0; i < 24; ++i) {
     const State at = stepper.step(stepper.steps_of(length), before);

@@ -13,8 +13,8 @@ std::string how_reweighted(const PlanReport& report) {
   if (report.most_nodes == 0) return fmt::format("one by one: {}", report.why_one_by_one);
   return report.fewest_nodes == report.most_nodes
              ? fmt::format("between {} frequencies", report.most_nodes)
-             : fmt::format("between {} or up to {} frequencies, more for slower particles",
-                           report.fewest_nodes, report.most_nodes);
+             : fmt::format("between {} frequencies, for slower particles up to {}", report.fewest_nodes,
+                           report.most_nodes);
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ def test_a_table_has_the_title_in_one_line_whatever_breaks_it(tmp_path: Path, re
 
 
 def test_no_message_steers_a_terminal(tmp_path: Path) -> None:
-    evil = "\x1b]0;x\x07\u202e\x9b"
+    evil = "\x1b]0;x\x07\u202e\x9b\r"
     for problem in (InputError(evil), StorageError(evil), FileError(tmp_path / evil, evil), UnreadableFile(tmp_path / evil, evil)):
-        assert not set("\x1b\x07\u202e\x9b") & set(str(problem)) and "?]0;x??" in str(problem)
+        assert not set("\x1b\x07\u202e\x9b\r") & set(str(problem)) and "?]0;x??" in str(problem)
     assert str(InputError("µ: one line\n\tand another")) == "µ: one line\n\tand another"
