@@ -33,10 +33,11 @@ def compare_scans(options: argparse.Namespace) -> Figure | None:
         for file in (one, other):
             require_detector(file, options.detector)
     wanted = [options.detector] if options.detector else one.scan.detectors
-    agreements = compare(one, other)
+    agreements = {detector: str(agreement) for detector, agreement in compare(one, other).items()}
     if same_particles(one, other):
         print(f"rabiline: warning: both files have the seed {one.simulation['seed']} and may share their particles; "
               "their difference then varies less than the errors say, and chi² and p mean nothing", file=sys.stderr)
+        agreements = {detector: f"{agreement}; of shared particles, which makes it no verdict" for detector, agreement in agreements.items()}
     for detector in wanted:
         print(f"{detector}: {agreements[detector]}")
     if not options.output:
@@ -44,4 +45,4 @@ def compare_scans(options: argparse.Namespace) -> Figure | None:
     if not one.scan.axes:
         raise InputError(f"{one.path}: nothing is scanned in it that a picture could show")
     from .compare_plots import draw_difference
-    return draw_difference(one, other, wanted[0], options.title, str(agreements[wanted[0]]))
+    return draw_difference(one, other, wanted[0], options.title, agreements[wanted[0]])

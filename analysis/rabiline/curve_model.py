@@ -73,6 +73,7 @@ class CurveModel:
     told: Callable[[int, int, bool, float], None] | None = None  # hears the flights made; of the last its particles, whether in one, and seconds
     flights: int = 0
     scaled: bool = False  # a factor on the curve is free
+    counted: np.ndarray | None = None  # [n] at each place, as far as that is known
     _widened: dict[int, float] = field(default_factory=dict)  # steps of parameters whose slopes are noisy
     _known: dict[tuple[int, bool, tuple[float, ...]], Evaluated] = field(default_factory=dict)  # by particles, whether in one
 
@@ -263,7 +264,7 @@ class CurveModel:
             change = self.beside(values, number, step)[0] - self.at(values).groups
             variance, ways = noise_of(change, self.at(values).y)
             of_shape = noise_of(change, self.at(values).y, True)[0] if self.scaled else 0.0
-            noise = max(variance / SPREAD, variance / ways, of_shape / SHAPE)
+            noise = max(variance / SPREAD, variance / ways, of_shape / SHAPE, self._noise_beside_errors(change, self.at(values)) / SPREAD)
             if noise <= NOISE:
                 break
             if step > wanted and variance < NOISY and self._meets_an_edge(values, number, step):
@@ -282,6 +283,15 @@ class CurveModel:
         if step > wanted:
             self._widened[number] = step
         return step
+
+    def _noise_beside_errors(self, change: np.ndarray, here: Evaluated) -> float:
+        """The relative variance of the mean of groups of a change, where what is off at several points together by chance, as levels that are drawn
+        are, counts less than what is off at one."""
+        if self.counted is None:
+            return 0.0
+        own = here.covariance * (self.explored / self.particles)
+        own = own + np.diag(np.maximum(here.y, 1e-3 * here.y.max(initial=1e-300))**2 / np.maximum(self.counted, 1.0))
+        return noise_of(np.linalg.solve(np.linalg.cholesky(own), change.T).T, np.ones(here.y.size))[0]
 
     def _meets_an_edge(self, values: np.ndarray, number: int, step: float) -> bool:
         up, down = (groups.mean(axis=0) for groups in self.beside(values, number, step))

@@ -156,7 +156,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     require_free((*names, *extra))
     if counts.counts.size < len(names) + len(extra):
         raise NoFit(f"{len(names) + len(extra)} parameters are free ({', '.join((*names, *extra))}), and there are only {counts.counts.size} points to know them by")
-    model.scaled = SCALE in extra
+    model.scaled, model.counted = SCALE in extra, counts.counts
     scale = 1.0 if exposure.is_known else first_scale(model, counts, exposure, values)
     values = np.concatenate([values, [scale if name == SCALE else exposure.start(name, scale) or 0.1 * counts.counts.min() for name in extra]])
     first = values

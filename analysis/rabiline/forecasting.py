@@ -88,8 +88,8 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     exposure = Exposure(np.full(n, each), np.ones(n), np.full(n, background * seconds), known_rate)
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or name == SCALE and not known_rate)
     require_free((*names, *extra))
-    model.scaled = SCALE in extra
     start = model.start()
+    model.scaled, model.counted = SCALE in extra, each * model.at(start).y
     full = np.concatenate([start, [exposure.start(name) for name in extra]])
     steps = model.first_steps(start)
     turns = TURNS

@@ -29,7 +29,7 @@ PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
 PROFILES = {"m", "rad", "deg", "m/s", "K"}  # what no resonance lies over
 FEWEST_CELLS, LEAST_SHARE = 12, 0.01  # of the slowness, with such a part of the beam, by which flight times are told apart
-BETTER = 3.0  # times smaller: a chi² that makes another form worth naming
+BETTER = 2.0  # times smaller: a chi² that makes another form worth naming
 NEEDED = {"frequency": "Hz", "field": "T", "amplitude": "T", "gradient": "T/m", "current": "A", "phase": "deg"}  # units that columns must have, by their ends
 
 
@@ -70,7 +70,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         if transits:
             edges, caught = transits[0].edges, transits[0].caught.sum(axis=0)
             slowness, weights = (edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0]
-            told_apart = np.count_nonzero(caught > LEAST_SHARE * caught.sum())
+            told_apart = max(np.count_nonzero(caught > LEAST_SHARE * caught.sum()), caught.sum()**2 / np.sum(caught**2))  # of many, each has little
             if told_apart >= FEWEST_CELLS:
                 forms |= {"rabi": rabi_over(slowness, weights), "ramsey": ramsey_over(slowness, weights)}
             elif told_apart > 2:

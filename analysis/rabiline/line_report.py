@@ -23,7 +23,8 @@ def unit_of(name: str, unit: str) -> str:
     """That of a parameter of a form over an axis with this unit."""
     power = UNITS.get(name.split("_")[0], 0)
     inverse = "s" if unit == "Hz" else f"1/{unit}" if unit else ""
-    return unit if power == 1 else inverse if power == -1 else "m" if name in ("length", "zone", "distance") else ""
+    across = "m" if unit == "Hz" else f"m Hz/{unit}" if unit else ""  # as far as the axis is a frequency, or stands for one
+    return unit if power == 1 else inverse if power == -1 else across if name in ("length", "zone", "distance") else ""
 
 
 def _written_of(name: str, written: tuple[str, float] | None) -> tuple[str, float] | None:

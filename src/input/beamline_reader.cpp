@@ -232,6 +232,18 @@ void name_disabled(const std::vector<PlacedPart>& disabled, std::vector<Fault>& 
   }
 }
 
+/// What a part lacks since its key is misspelt, which is told of the key.
+bool is_told(const Fault& fault, const std::vector<Diagnostic>& errors) {
+  return std::ranges::any_of(errors, [&](const Diagnostic& error) {
+    constexpr std::string_view meant = "did you mean ";
+    return error.suggestion.starts_with(meant) &&
+           error.message.find('`' + fault.subject + '`') != std::string::npos &&
+           fault.message.ends_with(fmt::format(
+               "`{}` needs {}", fault.subject,
+               error.suggestion.substr(meant.size(), error.suggestion.rfind('`') + 1 - meant.size())));
+  });
+}
+
 }  // namespace
 
 Beamline read_beamline_values(const Node& root, Reading& reading) {
@@ -261,6 +273,7 @@ Beamline read_beamline(const Node& root, Reading& reading) {
     for (const PlacedPart& part : out.parts)
       for (Fault& fault : faults_of(part)) faults.push_back(std::move(fault));
   name_disabled(disabled, faults);
+  std::erase_if(faults, [&](const Fault& fault) { return is_told(fault, reading.errors); });
   if (!faults.empty()) {
     const Places places(root);
     for (const Fault& fault : faults) reading.errors.push_back(places.locate(fault));

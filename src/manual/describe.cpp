@@ -329,6 +329,10 @@ std::string describe(std::string_view topic) {
     names.push_back(mixture.name);
     if (mixture.name == topic) out = describe_mixture(mixture);
   }
+  const std::size_t blank = topic.find(' ');
+  const std::string_view group = topic.substr(0, blank);  // of `law quantum`
+  if (out.empty() && blank != topic.npos && std::ranges::find(names, group) != names.end())
+    return describe(topic.substr(blank + 1));
   if (out.empty()) {
     std::vector<Word> words;
     words.reserve(names.size());

@@ -108,7 +108,10 @@ std::string need_of(const Row& row, const D& fallback) {
   if constexpr (std::is_same_v<D, Required> && !is_optional<M>)
     return "required";
   else if constexpr (std::is_same_v<D, UnitVector>)
-    return fallback.x == 1 ? "default x" : fallback.y == 1 ? "default y" : "default z";
+    return fmt::format("default {}{}", fallback.x + fallback.y + fallback.z < 0 ? "-" : "",
+                       fallback.x != 0   ? "x"
+                       : fallback.y != 0 ? "y"
+                                         : "z");
   else if constexpr (requires { std::string_view(D::kind); })
     return fmt::format("default {}", D::kind);
   else if constexpr (std::is_same_v<D, bool>)

@@ -76,6 +76,9 @@ const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Be
     made.on_way = true;
     made.zones =
         zones_near_lines(path.way->fields(), structure, mean_speed(beamline.source.speed, atom.mass));
+    made.beside_whole_fields = std::ranges::any_of(path.way->fields().sections, [](const CourseSection& s) {
+      return s.wave >= 0 && s.field.drives > 0;
+    });
     for (const WaveFields& wave : path.way->fields().waves) {
       made.neglected = std::max(made.neglected, wave.frame.neglected);
       for (const DriveTerm& drive : wave.drives) made.approximated.insert(name_of(drive.part, beamline));

@@ -25,7 +25,7 @@ class DrivenParts {
     std::vector<double> lengths{};         // [m] [zone] of all of its field
     std::set<std::string> approximated{};  // the names of those in the rotating-wave approximation
     double neglected = 0, largest_slowness = 0;
-    bool on_way = false;
+    bool on_way = false, beside_whole_fields = false;  // those in the approximation
   };
   DrivenParts(const Experiment&, const Plan&);
 

@@ -109,7 +109,9 @@ Stages with_gathered_filters(const Stages& chain, const SpinDraw& source, std::s
   why_not = "each particle comes to the first filter with a spin of its own";
   if (!filter.quantum || !start) return {};
   FilterGatherer gatherer(filter, *start);
-  why_not = "a tally behind the first filter asks for more than the share of a particle that passes";
+  why_not =
+      "what follows the first filter, a field flown through in steps or a tally, asks for more than the "
+      "share of a particle that passes";
   if (!std::all_of(begin, chain.end(), [&](const Stage& stage) { return gatherer.take(stage); })) return {};
   Stages gathered(chain.begin(), begin);
   gatherer.put(gathered);

@@ -78,6 +78,11 @@ WavePlace place_of(std::span<const DriveTerm> drives, const FieldBeside& there, 
   return out;
 }
 
+/// While a particle passes, at the most.
+double pulses_in(const Gate& gate, double time) {
+  return gate.begin == gate.end || gate.period == 0 ? 1 : std::min(gate.times, std::ceil(time / gate.period));
+}
+
 /// A drive that comes nearest to a difference of levels that it couples: at which of the frequencies that it
 /// sweeps through, and how far from it [Hz].
 struct NearestLine {
@@ -192,8 +197,12 @@ WaveFields wave_fields(const SpinZone& drives, const Section& section, const Spe
     }
     waves.push_back(std::move(wave));
   }
-  out.frame =
-      wave_frame(coupled_spins(*atom.structure), manifold_of, waves, (section.end - section.begin) / speed);
+  const double time = (section.end - section.begin) / speed;
+  out.frame = wave_frame(coupled_spins(*atom.structure), manifold_of, waves, time);
+  // What is left out at each edge of a pulse adds up.
+  double pulses = 1;
+  for (const DriveTerm& drive : out.drives) pulses = std::max(pulses, pulses_in(drive.gate, time));
+  out.frame.neglected *= pulses;
   return out;
 }
 

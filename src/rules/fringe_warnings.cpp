@@ -9,6 +9,7 @@
 #include "field/fringe_limit.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "plan/stretches.hpp"
 #include "rules/warning_room.hpp"
 #include "transport/stage.hpp"
 
@@ -198,6 +199,16 @@ std::vector<Fault> warnings_of_fringes(const Beamline& first, const Plan& plan) 
 
 std::vector<Fault> odd_fringes_of(const Beamline& beamline) {
   Faults out;
+  if (asks_for_adiabaticity(beamline))
+    for (const PlacedPart& part : beamline.parts)
+      if (const auto* guide = std::get_if<GuideField>(&part.part);
+          guide && std::holds_alternative<HardFringe>(guide->fringe))
+        out.push_back(warning(
+            part.placement.name, "kind",
+            fmt::format("`adiabaticity` is that of fields that are followed along each path, and `{}` turns "
+                        "spins by a closed form: it is not among them",
+                        part.placement.name),
+            "give it a `fringe`, such as `{kind: tanh, length: 10 mm}`"));
   for (const PlacedPart& part : beamline.parts)
     std::visit(
         [&](const auto& any) {

@@ -59,7 +59,11 @@ class Approximations {
           warning(*worst_->approximated.begin(), "amplitude",
                   fmt::format("the rotating-wave approximation of `{}` is poor: {}",
                               fmt::join(worst_->approximated, "` and `"), left_out(worst_->neglected)),
-                  "a smaller field helps, one that turns (a `rotating_field`), or `approximation: none`"));
+                  worst_->beside_whole_fields
+                      ? "its frame does not follow whole fields that drive at the same place: give all of "
+                        "them the same `approximation`"
+                      : "a smaller field helps, one that turns (a `rotating_field`), or `approximation: "
+                        "none`"));
     else if (most_.shift > 0)
       out.push_back(
           warning(most_.field, "approximation",

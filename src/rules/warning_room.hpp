@@ -70,6 +70,8 @@ Fault fault_of_turns(const std::string& name, double turns, const std::string& w
 Faults line_warnings_of(const Experiment&, const Plan&);
 /// What would fall by more than a tenth of the lowest opening, where nothing is said of gravity.
 Faults untold_falls_of(const Beamline&);
+/// Shutters that a beam of a given rate passes which starts all at once.
+Faults unpulsed_choppers_of(const Beamline&);
 /// Where the physics that is left out matters at one scan point.
 Faults approximations_of(const Beamline&);
 

@@ -77,6 +77,7 @@ std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   add_once(at_any_point(experiment.points, &odd_fringes_of), out);
   add_once(at_any_point(experiment.points, &approximations_of), out);
   add_once(untold_falls_of(experiment.points.front()), out);
+  add_once(unpulsed_choppers_of(experiment.points.front()), out);
   add_once(line_warnings_of(experiment, plan), out);
   add_once(warnings_of_laws(experiment), out);
   add_once(warnings_of_fields(experiment.points.front()), out);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "spin/levels.hpp"
 #include "spin/rotating_frame.hpp"
 
@@ -33,6 +34,7 @@ struct LevelsThere {
   std::array<Eigen::MatrixXd, 3> up{};  // (i, j): i takes up a photon from j, with m - 1, m and m + 1
   double turning = 0, fastest = 0;      // [rad/s], [Hz]
   std::vector<Coupling> couplings{};
+  std::vector<double> dressed{};  // [level] by how much resonant drives shift it at the most, to either side
 };
 
 LevelsThere levels_there(const CoupledSpins& spins, const WavePlace& place) {
@@ -68,6 +70,15 @@ LevelsThere levels_there(const CoupledSpins& spins, const WavePlace& place) {
                                out.energy(upper) - out.energy(lower)});
     }
   return out;
+}
+
+/// From here on a coupling, over its detuning, splits its levels (S. Autler and C. Townes, Phys. Rev. 100,
+/// 703 (1955)), and what is off their bare line by as much is on that of the dressed ones.
+constexpr double least_splitting = 0.25;
+/// |V|/|detuning|, as near as a shift of the levels by so much brings it to resonance: where that is on it,
+/// no farther off than `nearest`.
+double dressed_mixing(double coupling, double detuning, double shift, double nearest) {
+  return mixing(coupling, shift == 0 ? detuning : std::max(std::abs(detuning) - shift, nearest));
 }
 
 /// Levels that a photon taken up and one given off couple, as strong as they are against what they are apart.
@@ -134,18 +145,36 @@ WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold
   };
   std::vector<Passed> along;
   for (const WaveAlong& wave : waves)
-    for (const WavePlace& place : wave.places) {
+    for (const WavePlace& place : wave.places)
       along.push_back({wave.frequency, levels_there(spins, place), {}});
-      const auto& [own, there, by_two] = along.back();
-      for (const Coupling& c : there.couplings)
-        if (const double strength = mixing(c.up, c.apart - own); strength > least_strength)
-          edges.push_back({c.upper, c.lower, 1, strength});
-      along.back().by_two = pairs_of_two_photons(there.energy, there.up, own);
-      if (own != frequency) continue;  // its photons are no others'
-      for (const CoupledPair& pair : along.back().by_two)
-        if (const double strength = pair.strength(2 * own); strength > least_of_two_photons)
-          edges.push_back({pair.upper, pair.lower, 2, strength});
+  const std::size_t places = waves.front().places.size();  // of each wave
+  for (std::size_t place = 0; place < places; ++place) {
+    std::vector<double> dressed(count);
+    for (std::size_t one = place; one < along.size(); one += places)
+      for (const Coupling& c : along[one].there.couplings)
+        if (const double off = c.apart - along[one].frequency; mixing(c.up, off) > least_splitting)
+          for (const int k : {c.upper, c.lower})
+            dressed[static_cast<std::size_t>(k)] += (portable::hypot(off, 2 * c.up) - std::abs(off)) / 2;
+    for (std::size_t one = place; one < along.size(); one += places) along[one].there.dressed = dressed;
+  }
+  const auto shift_of = [](const LevelsThere& there, const Coupling& c) {
+    return there.dressed[static_cast<std::size_t>(c.upper)] +
+           there.dressed[static_cast<std::size_t>(c.lower)];
+  };
+  for (auto& [own, there, by_two] : along) {
+    for (const Coupling& c : there.couplings) {
+      const double bare = mixing(c.up, c.apart - own),
+                   strength = bare > least_splitting
+                                  ? bare
+                                  : dressed_mixing(c.up, c.apart - own, shift_of(there, c), c.up);
+      if (strength > least_strength) edges.push_back({c.upper, c.lower, 1, strength});
     }
+    by_two = pairs_of_two_photons(there.energy, there.up, own);
+    if (own != frequency) continue;  // its photons are no others'
+    for (const CoupledPair& pair : by_two)
+      if (const double strength = pair.strength(2 * own); strength > least_of_two_photons)
+        edges.push_back({pair.upper, pair.lower, 2, strength});
+  }
   const auto of_one_manifold = [&](const Coupling& c) {
     return manifold_of[static_cast<std::size_t>(c.upper)] == manifold_of[static_cast<std::size_t>(c.lower)];
   };
@@ -184,8 +213,11 @@ WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold
   };
   for (const auto& [own, there, by_two] : along) {
     for (const Coupling& c : there.couplings) {
-      if (!frame.stand_still(c.upper, c.lower, 1)) neglect(mixing(c.up, c.apart - own));
-      if (!frame.stand_still(c.upper, c.lower, -1)) neglect(mixing(c.down, c.apart + own));
+      const double shift = shift_of(there, c), nearest = 1 / (constants::two_pi * time);
+      if (!frame.stand_still(c.upper, c.lower, 1))
+        neglect(dressed_mixing(c.up, c.apart - own, shift, nearest));
+      if (!frame.stand_still(c.upper, c.lower, -1))
+        neglect(dressed_mixing(c.down, c.apart + own, shift, nearest));
       if (there.fastest > 0 && of_one_manifold(c) && !frame.stand_still(c.upper, c.lower, 0))
         neglect(mixing(there.turning / constants::two_pi, c.apart - there.fastest));
     }
@@ -197,7 +229,6 @@ WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold
     if (own == frequency)
       for (const TwoPhotons& pair : raman_pairs(there, own, frame)) keep(pair);
   }
-  const std::size_t places = waves.front().places.size();  // of each wave
   for (std::size_t one = 0; one < along.size(); ++one)
     for (std::size_t other = one + places; other < along.size(); other += places)
       neglect(strength_of_both(along[one].there, along[one].frequency, along[other].there,

@@ -10,10 +10,9 @@
 // V_kl are weak against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with
 // S_kl = V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
 #include "core/call_off.hpp"
-#include "transport/level_jump_lanes.hpp"
-#include "transport/level_path_lanes.hpp"
 #include "transport/level_period_lanes.hpp"
 #include "transport/level_phase_lanes.hpp"
+#include "transport/level_zero_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 
@@ -144,18 +143,15 @@ class LevelFlight {
     return max(s, until - path_.unfelt(section, until, -1, until - s));
   }
 
-  /// Lanes in which a field is too weak to be felt over a step, however it turns there.
-  [[gnu::noinline]] inline mask pass_unfelt(const CourseSection& section, real s, real h, real size,
+  /// Lanes in which a field that passes by zero is followed along the axis, over which it is hardly felt.
+  [[gnu::noinline]] inline mask pass_unfelt(const CourseSection& section, real s, real h, real allowed,
                                             mask lanes) {
-    mask weak = lanes & path_.is_unfelt(size, h);
-    if (section.wave >= 0 || !any(weak)) return mask{};
-    FollowedField there;
-    for (const double share : {0.25, 0.5, 0.75, 1.0}) {
-      there = followed(path_.field_at(section, fma(broadcast(share), h, s)), axes_);
-      weak = weak & path_.is_unfelt(there.size, h);
-    }
-    turn_to(f_, there.n, broadcast(0), weak, axes_, a);
-    rest(f_, select(weak, h, broadcast(0)), a);
+    if (section.wave >= 0 || !any(lanes)) return mask{};
+    Amplitudes passed = a;
+    const AlongAxis there = follow_along_axis(f_, path_, section, s, h, axes_, lanes, passed);
+    const mask weak = there.lanes & (there.error <= allowed);
+    choose(f_.levels, weak, passed, a);
+    jump(there.along, there.field, weak);
     return weak;
   }
 
@@ -344,12 +340,13 @@ class LevelFlight {
         LevelAxes turned = axes;
         real error;
         const mask good = step(section, s, trial, here, now, there, turned, error);
-        error = error / (tolerance * (0.25 * (trial / stay) + 2e-3));
+        const real allowed = tolerance * (0.25 * (trial / stay) + 2e-3);
+        error = error / allowed;
         const mask accepted = resolves & good & (error <= broadcast(1));
         choose(f_.levels, accepted, there, a);
         axes_ = {select(accepted, turned.third, axes_.third), select(accepted, turned.first, axes_.first)};
         const mask hurries = ~good | ((error > broadcast(1)) & (trial < shortest * stay)),
-                   unfelt = pass_unfelt(section, s, trial, here.size, resolves & hurries);
+                   unfelt = pass_unfelt(section, s, trial, allowed, resolves & hurries);
         s = select(accepted | unfelt, s + trial, s);
         arrives = arrives | ((accepted | unfelt) & (trial >= left));
         stuck = stuck | (resolves & ~accepted & ~unfelt & ~(trial > 1e-15 * (abs(s) + stay)));

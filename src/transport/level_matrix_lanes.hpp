@@ -77,17 +77,6 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
   return f;
 }
 
-/// [rad] By how much levels turn at the most while a field passes by zero at some distance, from one place to
-/// another `time` later where +-B is followed with the other sign; nothing where the sign stays.
-inline real angle_passing_zero(const FollowedField& from, const FollowedField& to, real time) {
-  const Vector before = times(from.signed_size, from.n), behind = times(to.signed_size, to.n);
-  const real change = max(length_of(add(behind, broadcast(-1), before)), broadcast(tiny)),
-             distance = length_of(cross(before, behind)) / change,
-             angle = electron_rate * time * distance * (distance / change);
-  const mask turns_over = (from.signed_size < broadcast(0)) != (to.signed_size < broadcast(0));
-  return select(turns_over, angle, broadcast(0));
-}
-
 constexpr int most_row = (4 * most_levels + most_couplings + most_pairs + 7) / 8 * 8;
 /// Rows and columns of lanes change places.
 RABILINE_LANES void transpose(real (&row)[lane_count]) {

@@ -188,3 +188,56 @@ particles: 6
 seed: 1
 """).stdout
     assert "Rabi frequency" in told and "by two photons" not in told, told
+
+
+DRESSED = """rabiline: 1
+title: a microwave, and beside it a radio frequency
+species: {name: X, mass: 10 u, charge: 0 e, structure: {I: 3/2, J: 1/2, coupling: 1 MHz, g_J: 2, g_I: -0.001}}
+law: quantum
+source:
+  speed: {kind: single, value: 150 m/s}
+  opening: {width: 0 mm, height: 0 mm}
+  direction: parallel
+  spin: {kind: levels, levels: [F=1 m=0]}
+parts:
+  - {name: C, kind: uniform_field, at: 0.1 m, length: 0.5 m, field: 10 uT}
+  - {name: R, kind: oscillating_field, at: 0.2 m, length: 0.3 m, direction: z, amplitude: 0.69 uT, frequency: 2.019513 MHz, approximation: FIRST, phase: 30 deg}
+  - {name: S, kind: oscillating_field, at: 0.2 m, length: 0.3 m, direction: x, amplitude: 0.03 uT, frequency: 67.2 kHz, approximation: SECOND, phase: 80 deg}
+  - {name: det, kind: detector, at: 0.55 m, width: 40 mm, height: 40 mm, bins: [1, 1]}
+particles: 1
+seed: 1
+"""
+
+
+def test_a_weak_drive_on_the_line_of_levels_that_a_strong_one_dresses_is_followed(tmp_path: Path) -> None:
+    """S is 2.8 kHz off the line of the bare levels, and R splits them by 9.7 kHz; whole fields are an independent way to fly."""
+    def flown(first: str, second: str) -> h5py.Dataset:
+        return run(tmp_path, DRESSED.replace("FIRST", first).replace("SECOND", second))["det_levels/levels"][:]
+    exact = flown("none", "none")
+    assert abs(flown("rotating_wave", "rotating_wave") - exact).max() < 0.02
+    assert exact.max() < 0.4  # without S, F=1 m=0 and F=2 m=0 have all
+
+
+def test_whole_fields_beside_waves_are_told_to_be_lost(tmp_path: Path) -> None:
+    told = check(tmp_path, DRESSED.replace("150 m/s", "1000 m/s").replace("FIRST", "none").replace("SECOND", "rotating_wave")).stdout
+    assert "its frame does not follow whole fields that drive at the same place: give all of them the same `approximation`" in told
+
+
+def test_choppers_and_guides_that_are_not_seen_as_one_expects_are_told(tmp_path: Path) -> None:
+    chopped = NEUTRONS.replace("  spin:", "  rate: 1e6 1/s\n  spin:") % (800, "z", "  - {name: ch, kind: chopper, at: 0.2 m, open: 5 %, frequency: 50 Hz}\n"
+                                                                       "  - {name: D, kind: detector, at: 0.6 m, width: 4 cm, height: 4 cm, bins: [1, 1]}")
+    unpulsed = "all particles start at t = 0: behind `ch` rates are not those of a beam that flows all the time"
+    assert unpulsed in check(tmp_path, chopped).stdout
+    assert unpulsed not in check(tmp_path, chopped.replace("  spin:", "  pulse: {shape: rectangle, length: 20 ms}\n  spin:")).stdout
+    guided = NEUTRONS % (300, "z", "  - {name: G, kind: guide_field, at: 0.3 m, length: 0.3 m, field: 0.1 mT, from: z, to: x}\n"
+                         "  - {name: D, kind: detector, at: 1 m, width: 4 cm, height: 4 cm, bins: [1, 1], tallies: [{name: ad, axes: [{quantity: adiabaticity, from: 0, to: 100, bins: 10}]}]}")
+    closed = "`G` turns spins by a closed form: it is not among them"
+    assert closed in check(tmp_path, guided).stdout
+    assert closed not in check(tmp_path, guided.replace("to: x}", "to: x, fringe: {kind: tanh, length: 10 mm}}")).stdout
+
+
+def test_a_misspelt_key_is_told_once_and_a_topic_may_be_named_with_its_kind(tmp_path: Path) -> None:
+    told = check(tmp_path, DRESSED.replace("2.019513 MHz", "2 MHz").replace("frequency: 67", "frequenzy: 67").replace("FIRST", "none").replace("SECOND", "none"))
+    assert told.returncode == 2 and "did you mean `frequency`?" in told.stderr and "needs `frequency`" not in told.stderr
+    described = subprocess.run([RABILINE, "describe", "law", "quantum"], capture_output=True, text=True)
+    assert described.returncode == 0 and described.stdout.startswith("quantum (law): ")

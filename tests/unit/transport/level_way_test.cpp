@@ -254,6 +254,20 @@ TEST(LevelWay, IsShiftedByTheOtherFThatADriveMixesIn) {
   EXPECT_LT(worst_difference(carried(f, 1), expected), 1e-6);
 }
 
+/// The field along z passes by zero twice in each period, 20 nT or 10 fT away from it.
+TEST(LevelWay, IsDrivenByAFieldThatPassesJustByZero) {
+  for (const double across : {20e-9, 1e-14}) {
+    Flight f = flight(structure(3, 1, 50e6, 0, 2, -1e-3), 5000, 0.02, linear(0, 0, 0.5e-6, 0, 0, 0), 0);
+    swing(f, ShapedTerm(linear(across, 0, 0, 0, 0, 0)), 35e3);
+    swing(f, ShapedTerm(linear(0, 0, 10e-6, 0, 0, 0)), 100e6);
+    f.fields.sections[0].shaped_end = 3;
+    f.apart = 1e9;
+    const std::vector<double> p = carried(f, 2);
+    EXPECT_LT(worst_difference(p, Laboratory(f).carried(2)), 2e-6) << across;
+    EXPECT_LT(p[2], 0.5);
+  }
+}
+
 /// Landau-Zener: what leaves its level is exp(-pi gamma B_t^2/(2 |dB_l/dt|)), here with gamma B_t = 1 and
 /// gamma dB_l/dt = 1; then Majorana for more levels.
 TEST(LevelWay, FlipsASpinAsLandauZenerAndMajoranaSay) {

@@ -1,7 +1,8 @@
-// Falls that an experiment leaves out.
+// Falls that an experiment leaves out, and times.
 #include <limits>
 
 #include "plan/geometry.hpp"
+#include "plan/plan.hpp"
 #include "rules/warning_room.hpp"
 
 namespace rabiline {
@@ -51,6 +52,19 @@ Faults untold_falls_of(const Beamline& beamline) {
           pretty_quantity(lowest.height, Dimension::length)),
       "write `gravity: 9.81 m/s^2` beside `parts`, with its `direction` where -z is not down, or `gravity: 0 "
       "m/s^2` to leave it out")};
+}
+
+Faults unpulsed_choppers_of(const Beamline& beamline) {
+  Faults out;
+  for (const PlacedPart& part : beamline.parts)
+    if (std::holds_alternative<Chopper>(part.part) && beamline.source.rate && !beamline.source.pulse)
+      out.push_back(
+          warning(part.placement.name, "open",
+                  fmt::format("all particles start at t = 0: behind `{}` rates are not those of a beam that "
+                              "flows all the time",
+                              part.placement.name),
+                  "add `pulse: {shape: rectangle, length: ...}` to the source, as long as a period"));
+  return out;
 }
 
 }  // namespace rabiline
