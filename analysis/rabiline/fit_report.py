@@ -13,6 +13,7 @@ from .units import format_value, unit_shown
 if TYPE_CHECKING:
     from .fitting import CountsFit
 
+MANY_COUNTS = 12  # all even by chance in one table of four thousand
 LOST = 10  # times a parameter: an error that leaves nothing of it
 BORNE_OUT = 3  # a factor between an error by the curvature and one by the profile that leaves them one
 REJECTED = "the experiment does not describe these counts: errors mean little"
@@ -80,6 +81,17 @@ def report(fit: CountsFit) -> Iterable[str]:
         yield from _about_held(fit, one)
     if verdict := verdict_of(fit):
         yield f"  {verdict}"
+    if fit.p < LEAST_P and (why := _as_rates(fit.counts.counts)):
+        yield f"  {why}: are they rates? What was counted has its errors by itself; write that, and a column `seconds`"
+
+
+def _as_rates(counts: np.ndarray) -> str:
+    """What [n] counts have in common that were divided by a time, or multiplied; empty where they have nothing."""
+    whole = np.rint(counts)
+    if (np.abs(counts - whole) > 1e-6 * np.maximum(counts, 1)).any():
+        return "not all counts are whole numbers"
+    step = np.gcd.reduce(whole.astype(np.int64))
+    return f"all counts are multiples of {step}" if step > 1 and np.count_nonzero(whole) >= MANY_COUNTS else ""
 
 
 def why_unknown(fit: CountsFit, number: int) -> str:

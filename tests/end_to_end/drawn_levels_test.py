@@ -72,3 +72,14 @@ def test_a_line_is_averaged_over_flight_times_however_many_cells_they_have(tmp_p
     assert centre == pytest.approx(12.0 / 40.07758, rel=1e-4)
     assert length == pytest.approx(0.1 * 40.07758e6, rel=0.15) and told["length"].endswith("m Hz/T")
     assert float(told["chi²"].split()[0]) < 5
+
+
+def test_rates_in_place_of_counts_are_told(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    (tmp_path / "clock.yaml").write_text(CLOCK)
+    shown = np.random.default_rng(3).poisson(np.linspace(400, 900, 13))
+    for factor, told in ((1, ""), (50, "  all counts are multiples of 50: are they rates?"), (0.3, "  not all counts are whole numbers: are they rates?")):
+        rows = [f"{6834682410.9 + 40 * i:.1f},{factor * n:.1f},1000000" for i, n in enumerate(shown)]
+        (tmp_path / "counts.csv").write_text("\n".join(["R1.frequency [Hz],counts,emitted", *rows]))
+        assert main(["fit", str(tmp_path / "clock.yaml"), "--data", str(tmp_path / "counts.csv"), "--free", "scale", "--particles", "500"]) == 0
+        found = [line for line in capsys.readouterr().out.splitlines() if "are they rates" in line]
+        assert [line.startswith(told) for line in found] == [True] * bool(told)

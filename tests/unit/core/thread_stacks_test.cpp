@@ -27,7 +27,7 @@ void give_threads(std::size_t size) {
 
 TEST(ThreadStacks, AreWidenedAndNeverNarrowed) {
   const std::size_t before = stack_of_threads(), mebibyte = std::size_t{1} << 20;
-  give_threads(64 << 10);
+  give_threads(mebibyte);
   widen_thread_stacks();
   EXPECT_EQ(stack_of_threads(), 8 * mebibyte);
   give_threads(9 * mebibyte);
