@@ -87,11 +87,8 @@ def report(fit: CountsFit) -> Iterable[str]:
 
 def _as_rates(counts: np.ndarray) -> str:
     """What [n] counts have in common that were divided by a time, or multiplied; empty where they have nothing."""
-    whole = np.rint(counts)
-    if (np.abs(counts - whole) > 1e-6 * np.maximum(counts, 1)).any():
-        return "not all counts are whole numbers"
-    step = np.gcd.reduce(whole.astype(np.int64))
-    return f"all counts are multiples of {step}" if step > 1 and np.count_nonzero(whole) >= MANY_COUNTS else ""
+    step = np.gcd.reduce(np.rint(counts).astype(np.int64))
+    return f"all counts are multiples of {step}" if step > 1 and np.count_nonzero(counts) >= MANY_COUNTS else ""
 
 
 def why_unknown(fit: CountsFit, number: int) -> str:
