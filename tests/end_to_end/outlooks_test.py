@@ -241,3 +241,12 @@ def test_a_misspelt_key_is_told_once_and_a_topic_may_be_named_with_its_kind(tmp_
     assert told.returncode == 2 and "did you mean `frequency`?" in told.stderr and "needs `frequency`" not in told.stderr
     described = subprocess.run([RABILINE, "describe", "law", "quantum"], capture_output=True, text=True)
     assert described.returncode == 0 and described.stdout.startswith("quantum (law): ")
+
+
+def test_what_is_left_out_counts_for_each_pulse(tmp_path: Path) -> None:
+    def left_out(times: int) -> float:
+        text = ATOM % (OWN, "F=2 m=2", "  - {name: C, kind: uniform_field, at: 0 m, length: 0.2 m, field: 0.3 mT}\n"
+                       "  - {name: R, kind: oscillating_field, at: 0.02 m, length: 0.04 m, direction: [1, 0, 0.5], amplitude: 1 uT, frequency: 2.1 MHz, "
+                       f"approximation: rotating_wave, phase: locked, sweep: {{to: 2.2 MHz, begin: 20 us, end: 60 us}}, pulses: {{begin: 22 us, end: 24 us, period: 4 us, times: {times}}}}}")
+        return float(re.search(r"amplitudes? up to ([0-9.e-]+)", check(tmp_path, text).stdout)[1])
+    assert left_out(4) == pytest.approx(4 * left_out(1), rel=0.05)
