@@ -24,7 +24,7 @@ from .covariance import Spread
 from .errors import InputError
 from .experiment import Experiment
 from .limits import Limits
-from .units import format_value
+from .units import base_of, format_value
 
 NOISE = 0.01  # relative variance of a slope, at most, where it is the same noise at all points
 SPREAD = 10  # times as much may be noise that differs from point to point: it only weighs the counts a little wrongly
@@ -352,6 +352,8 @@ def check_columns(experiment: Experiment, counts: Counts) -> None:
     for one in filter(None, (counts, counts.across)):
         header = f"{one.parameter} [{one.unit}]" if one.unit else one.parameter
         for name in names_of(one.parameter):
+            if base_of(one.unit)[0] == _unit(experiment, name) == "Hz" and (one.x < 0).any():
+                raise NoFit(f"{counts.path}: the column `{header}`: a frequency is below zero\n  help: write whole frequencies, not how far they are from a line")
             for wrong in unknown(experiment, name, one.places[0]):
                 unitless = not one.unit and not unknown(experiment, name, f"{one.places[0]} {_unit(experiment, name)}")
                 raise NoFit(f"{counts.path}: the column `{header}`: " + (

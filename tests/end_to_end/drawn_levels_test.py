@@ -83,3 +83,10 @@ def test_rates_in_place_of_counts_are_told(tmp_path: Path, capsys: pytest.Captur
         assert main(["fit", str(tmp_path / "clock.yaml"), "--data", str(tmp_path / "counts.csv"), "--free", "scale", "--particles", "500"]) == 0
         found = [line for line in capsys.readouterr().out.splitlines() if "are they rates" in line]
         assert [line.startswith(told) for line in found] == [True] * bool(told)
+
+
+def test_offsets_of_a_frequency_are_told(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    (tmp_path / "clock.yaml").write_text(CLOCK)
+    (tmp_path / "counts.csv").write_text("\n".join(["R1.frequency [kHz],counts,emitted", *(f"{i / 10},{400 + i},1000" for i in range(-5, 6))]))
+    assert main(["fit", str(tmp_path / "clock.yaml"), "--data", str(tmp_path / "counts.csv"), "--free", "C.field"]) == 2
+    assert "help: write whole frequencies, not how far they are from a line" in capsys.readouterr().err
