@@ -1,4 +1,5 @@
-"""Fits of curves whose points err together, since levels are drawn at a filter, and forms over flight times of many cells."""
+"""Fits of curves whose points err together, since levels are drawn at a filter; forms over flight times of many cells; tables that are no counts, or over no
+frequency."""
 from __future__ import annotations
 
 from pathlib import Path
