@@ -242,6 +242,7 @@ def test_a_misspelt_key_is_told_once_and_a_topic_may_be_named_with_its_kind(tmp_
     assert told.returncode == 2 and "did you mean `frequency`?" in told.stderr and "needs `frequency`" not in told.stderr
     described = subprocess.run([RABILINE, "describe", "law", "quantum"], capture_output=True, text=True)
     assert described.returncode == 0 and described.stdout.startswith("quantum (law): ")
+    assert "default -z" in subprocess.run([RABILINE, "describe", "gravity"], capture_output=True, text=True).stdout
 
 
 def test_what_is_left_out_counts_for_each_pulse(tmp_path: Path) -> None:
